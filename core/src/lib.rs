@@ -1,0 +1,3 @@
+//! The pure domain of Umwelt.
+pub mod geometry;
+pub mod kinematics;
