@@ -80,6 +80,33 @@ impl Drive {
             .max(angular.abs() / self.max_angular_acceleration)
     }
 
+    /// The twist nearest to `to` that is reached from `from` within `duration` s, each component by itself
+    /// (thesis eq. 20, for speed and heading).
+    ///
+    /// ```
+    /// use umwelt_core::{geometry::Twist, kinematics::Drive};
+    /// let drive = Drive::default();
+    /// let next = drive.reach(Twist::ZERO, Twist::new(0.13, 0.0), 0.03);
+    /// assert!((next.linear - (drive.min_linear + drive.max_linear_acceleration * 0.03)).abs() < 1e-12);
+    /// assert!(drive.change_time(Twist::ZERO, next) <= 0.03 + 1e-12);
+    /// ```
+    pub fn reach(&self, from: Twist, to: Twist, duration: f64) -> Twist {
+        Twist {
+            linear: step_toward(
+                from.linear,
+                to.linear,
+                self.max_linear_acceleration * duration,
+                self.min_linear,
+            ),
+            angular: step_toward(
+                from.angular,
+                to.angular,
+                self.max_angular_acceleration * duration,
+                self.min_angular,
+            ),
+        }
+    }
+
     /// Seconds of a ramp from `twist` to rest in which neither acceleration limit is exceeded.
     pub fn stopping_time(&self, twist: Twist) -> f64 {
         (twist.linear.abs() / self.max_linear_acceleration)
@@ -90,6 +117,16 @@ impl Drive {
 /// The part of `speed` beyond the band (-minimum, minimum), signed.
 fn beyond(speed: f64, minimum: f64) -> f64 {
     speed - speed.clamp(-minimum, minimum)
+}
+
+/// `from` moved toward `to` by at most `step` outside the band (-minimum, minimum).
+fn step_toward(from: f64, to: f64, step: f64, minimum: f64) -> f64 {
+    let (start, end) = (beyond(from, minimum), beyond(to, minimum));
+    if (end - start).abs() <= step {
+        return to;
+    }
+    let next = start + step.copysign(end - start);
+    if next == 0.0 { minimum.copysign(start) } else { next + minimum.copysign(next) }
 }
 
 /// The body twist of turning the wheels at `speeds`: v = r/2 (w_r + w_l), omega = r/W (w_r - w_l).
@@ -227,6 +264,18 @@ mod tests {
             let wheels = inverse(&drive, limited);
             prop_assert!(wheels.left.abs().max(wheels.right.abs()) <= drive.max_wheel_speed + 1e-12);
             prop_assert!((limited.linear * w - limited.angular * v).abs() < 1e-9);
+        }
+
+        #[test]
+        fn what_is_reached_keeps_the_acceleration_limit_and_gets_there(a in -0.13..0.13f64, b in -0.13..0.13f64, wa in -1.2..1.2f64, wb in -1.2..1.2f64) {
+            let drive = Drive::default();
+            let (mut at, to) = (Twist::new(a, wa), Twist::new(b, wb));
+            for _ in 0..100 {
+                let next = drive.reach(at, to, 0.03);
+                prop_assert!(drive.change_time(at, next) <= 0.03 + 1e-9);
+                at = next;
+            }
+            prop_assert_eq!(at, to);
         }
 
         #[test]

@@ -1,0 +1,287 @@
+//! What the robot does with horizons: newest wins, play by robot time, expire, ramp to rest.
+//!
+//! One implementation for the agent on the robot and for the simulation. It needs no link: without fresh
+//! horizons it stops by itself.
+
+use crate::geometry::{Twist, WheelSpeeds};
+use crate::horizon::{Horizon, RAMP_STEP, SLOT};
+use crate::kinematics::{self, Drive};
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+/// Most horizons that wait for their start; at a loop delay of 0.23 s and instant replies four wait.
+const WAITING: usize = 8;
+
+/// Whether a horizon will be played.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acceptance {
+    /// It is the newest so far.
+    Newest,
+    /// A newer one is here already (or this very one): nothing changes.
+    Stale,
+}
+
+/// What the robot is playing: reported with every request.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Playing {
+    /// Sequence of the horizon.
+    pub horizon: u64,
+    /// Robot time in s since when.
+    pub since: f64,
+}
+
+/// The robot's player of horizons.
+///
+/// Commands of one plan already keep the acceleration limits. Where the robot has to change plans on a
+/// jump, as when it resumes after a silence, the change is spread within the limits.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Actuation {
+    drive: Drive,
+    /// Ascending in sequence and in start; the first may be playing, the others wait.
+    horizons: ArrayVec<Horizon, WAITING>,
+    newest: Option<u64>,
+    playing: Option<Playing>,
+    output: Twist,
+    /// Acceleration time in s that is not used up yet, at most one slot.
+    credit: f64,
+    time: f64,
+    settled: bool,
+}
+
+impl Actuation {
+    /// A robot at rest at robot time `time`.
+    pub fn new(drive: Drive, time: f64) -> Self {
+        Self {
+            drive,
+            horizons: ArrayVec::new(),
+            newest: None,
+            playing: None,
+            output: Twist::ZERO,
+            credit: SLOT,
+            time,
+            settled: true,
+        }
+    }
+
+    /// Takes in a horizon that arrives now. Late, repeated and reordered ones change nothing.
+    pub fn accept(&mut self, horizon: Horizon) -> Acceptance {
+        if self.newest.is_some_and(|newest| horizon.sequence <= newest) || horizon.speeds.is_empty()
+        {
+            return Acceptance::Stale;
+        }
+        self.newest = Some(horizon.sequence);
+        // A waiting horizon that would begin no earlier than this newer one is never played.
+        while self.horizons.last().is_some_and(|last| last.start >= horizon.start) {
+            self.horizons.pop();
+        }
+        if self.horizons.is_full() {
+            self.horizons.remove(1);
+        }
+        self.horizons.push(horizon);
+        Acceptance::Newest
+    }
+
+    /// Forgets all horizons and ramps to rest: the answer to a stop on the robot itself.
+    pub fn stop(&mut self) {
+        self.horizons.clear();
+        self.playing = None;
+    }
+
+    /// A new epoch: sequences of horizons start again; what is playing goes on until it is replaced or expires.
+    pub fn restart_sequences(&mut self) {
+        self.newest = None;
+    }
+
+    /// The wheel speeds to apply from robot time `now` on, until [`Actuation::next_change`].
+    ///
+    /// Times never go back; an earlier `now` counts as the last one.
+    pub fn advance(&mut self, now: f64) -> WheelSpeeds {
+        let now = now.max(self.time);
+        self.credit = (self.credit + now - self.time).min(SLOT);
+        self.time = now;
+        while self.horizons.get(1).is_some_and(|next| next.start <= now + 1e-9) {
+            self.horizons.remove(0);
+        }
+        let demand = match self.horizons.first() {
+            Some(horizon) if horizon.start <= now + 1e-9 => {
+                if self.playing.is_none_or(|playing| playing.horizon != horizon.sequence) {
+                    self.playing = Some(Playing { horizon: horizon.sequence, since: now });
+                }
+                kinematics::forward(&self.drive, horizon.at(now, &self.drive))
+            }
+            _ => Twist::ZERO,
+        };
+        self.output = self.slew(demand);
+        kinematics::inverse(&self.drive, self.output)
+    }
+
+    /// Moves the output toward `demand` as far as the unused acceleration time allows.
+    fn slew(&mut self, demand: Twist) -> Twist {
+        let needed = self.drive.change_time(self.output, demand);
+        // The tolerance covers rounding in plans that use the limit to the full.
+        self.settled = needed <= self.credit + 1e-6;
+        if self.settled {
+            self.credit = (self.credit - needed).max(0.0);
+            return demand;
+        }
+        let share = self.credit / needed;
+        self.credit = 0.0;
+        Twist {
+            linear: self.output.linear + share * (demand.linear - self.output.linear),
+            angular: self.output.angular + share * (demand.angular - self.output.angular),
+        }
+    }
+
+    /// The next robot time in s after the last `advance` at which the wheel speeds may change.
+    pub fn next_change(&self) -> f64 {
+        let mut next = f64::INFINITY;
+        if let Some(first) = self.horizons.first() {
+            next = first.next_change(self.time, &self.drive);
+        }
+        if let Some(second) = self.horizons.get(1) {
+            next = next.min(second.start);
+        }
+        if self.settled { next } else { next.min(self.time + RAMP_STEP) }
+    }
+
+    /// What is being played, since when; none before the first horizon begins.
+    pub fn playing(&self) -> Option<Playing> {
+        self.playing
+    }
+
+    /// The twist applied since the last `advance`.
+    pub fn output(&self) -> Twist {
+        self.output
+    }
+
+    /// Whether the robot is at rest and nothing it holds will move it.
+    pub fn is_at_rest(&self) -> bool {
+        self.output == Twist::ZERO && self.next_change().is_infinite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn horizon(sequence: u64, start: f64, speeds: &[f64]) -> Horizon {
+        let drive = Drive::default();
+        Horizon {
+            sequence,
+            answers: sequence,
+            start,
+            slot: SLOT,
+            watchdog: 0.3,
+            speeds: speeds
+                .iter()
+                .map(|&v| kinematics::inverse(&drive, Twist::new(v, 0.0)))
+                .collect(),
+        }
+    }
+
+    fn linear(actuation: &mut Actuation, now: f64) -> f64 {
+        actuation.advance(now);
+        actuation.output().linear
+    }
+
+    #[test]
+    fn a_horizon_waits_for_its_start() {
+        let mut actuation = Actuation::new(Drive::default(), 0.0);
+        actuation.accept(horizon(1, 1.0, &[0.02]));
+        assert_eq!(linear(&mut actuation, 0.5), 0.0);
+        assert_eq!(actuation.playing(), None);
+        assert_eq!(actuation.next_change(), 1.0);
+        assert!((linear(&mut actuation, 1.0) - 0.02).abs() < 1e-12);
+        assert_eq!(actuation.playing(), Some(Playing { horizon: 1, since: 1.0 }));
+    }
+
+    #[test]
+    fn newest_wins_whatever_the_order() {
+        let mut actuation = Actuation::new(Drive::default(), 0.0);
+        assert_eq!(actuation.accept(horizon(5, 0.1, &[0.02; 9])), Acceptance::Newest);
+        assert_eq!(actuation.accept(horizon(4, 0.1, &[0.01; 9])), Acceptance::Stale);
+        assert_eq!(actuation.accept(horizon(5, 0.1, &[0.01; 9])), Acceptance::Stale);
+        assert!((linear(&mut actuation, 0.2) - 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_old_horizon_plays_until_the_new_one_begins() {
+        let mut actuation = Actuation::new(Drive::default(), 0.0);
+        actuation.accept(horizon(1, 0.0, &[0.01; 20]));
+        actuation.advance(0.0);
+        actuation.accept(horizon(2, 0.1, &[0.02; 20]));
+        assert!((linear(&mut actuation, 0.09) - 0.01).abs() < 1e-12);
+        assert!((linear(&mut actuation, 0.10) - 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_single_slot_that_comes_late_plays_on_arrival_until_it_expires() {
+        let mut actuation = Actuation::new(Drive::default(), 0.0);
+        actuation.advance(1.2);
+        actuation.accept(horizon(1, 1.0, &[0.02]));
+        assert!((linear(&mut actuation, 1.2) - 0.02).abs() < 1e-12);
+        assert_eq!(linear(&mut actuation, 1.5), 0.0);
+        let mut late = Actuation::new(Drive::default(), 0.0);
+        late.accept(horizon(1, 1.0, &[0.02]));
+        assert_eq!(linear(&mut late, 1.4), 0.0);
+    }
+
+    #[test]
+    fn a_stop_on_the_robot_needs_no_link() {
+        let mut actuation = Actuation::new(Drive::default(), 0.0);
+        actuation.accept(horizon(1, 0.0, &[0.02; 20]));
+        actuation.advance(0.1);
+        actuation.stop();
+        actuation.advance(0.11);
+        assert!(actuation.is_at_rest());
+    }
+
+    /// A plan that uses the limit to the full passes unchanged; a jump is spread within the limit.
+    #[test]
+    fn plans_pass_and_jumps_are_spread() {
+        let drive = Drive::default();
+        let step = drive.max_linear_acceleration * SLOT;
+        let plan: Vec<f64> = (0..10).map(|i| 0.023 + step * f64::from(i)).collect();
+        let mut actuation = Actuation::new(drive, 0.0);
+        actuation.accept(horizon(1, 0.0, &plan));
+        for (i, &v) in plan.iter().enumerate() {
+            let now = i as f64 * SLOT;
+            assert!((linear(&mut actuation, now) - v).abs() < 1e-9, "slot {i}");
+        }
+        let mut jump = Actuation::new(drive, 0.0);
+        jump.accept(horizon(1, 0.0, &[0.13; 60]));
+        let (mut now, mut before) = (0.0, 0.0);
+        while before < 0.13 - 1e-9 {
+            let v = linear(&mut jump, now);
+            let allowed = step + drive.min_linear;
+            assert!(v - before <= allowed + 1e-9);
+            assert!(v <= drive.min_linear + drive.max_linear_acceleration * (now + SLOT) + 1e-9);
+            before = v;
+            now = jump.next_change();
+            assert!(now < 1.0);
+        }
+    }
+
+    proptest! {
+        /// Whatever arrives in whatever order: speeds stay within those demanded, the newest sequence wins,
+        /// and the robot stops by itself.
+        #[test]
+        fn any_traffic_ends_at_rest(arrivals in prop::collection::vec((0u64..20, 0.0..1.0f64, 0.0..0.13f64, 1usize..20), 1..40)) {
+            let mut actuation = Actuation::new(Drive::default(), 0.0);
+            let mut now = 0.0;
+            for (sequence, start, v, slots) in arrivals {
+                now += 0.02;
+                actuation.accept(horizon(sequence, start, &vec![v; slots]));
+                prop_assert!(linear(&mut actuation, now) <= 0.13 + 1e-12);
+            }
+            let mut steps = 0;
+            while !actuation.is_at_rest() {
+                actuation.advance(actuation.next_change());
+                steps += 1;
+                prop_assert!(steps < 1000);
+            }
+            prop_assert!(actuation.time < 1.0 + 20.0 * SLOT + 0.3 + 2.0);
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The commands in flight: which wheel speeds are in force at a time, as sent and as reported played.
+
+use crate::actuation::Playing;
+use crate::controller::settings::Attribution;
+use crate::geometry::WheelSpeeds;
+use crate::horizon::{Horizon, SLOT};
+use crate::kinematics::Drive;
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// Most horizons remembered: three seconds at one per slot, more than any of them stays in force.
+const REMEMBERED: usize = 100;
+
+/// Most reports remembered of what was played.
+const REPORTS: usize = 100;
+
+/// A stretch of time for which the robot reported what it played.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Played {
+    playing: Playing,
+    /// Time in s of the last report that said so.
+    reported: f64,
+}
+
+/// The horizons sent to one robot and its reports of what it plays, oldest first.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Commands {
+    sent: VecDeque<Horizon>,
+    played: VecDeque<Played>,
+}
+
+impl Commands {
+    /// Remembers a horizon that is being sent; starts never go back.
+    pub fn send(&mut self, horizon: &Horizon) {
+        while self.sent.len() >= REMEMBERED {
+            self.sent.pop_front();
+        }
+        self.sent.push_back(horizon.clone());
+    }
+
+    /// Takes in the robot's report at time `reported` of what it plays.
+    pub fn report(&mut self, playing: Playing, reported: f64) {
+        match self.played.back_mut() {
+            Some(last) if playing.since < last.playing.since => return,
+            Some(last) if last.playing.horizon == playing.horizon => {
+                last.reported = last.reported.max(reported);
+                return;
+            }
+            _ => {}
+        }
+        while self.played.len() >= REPORTS {
+            self.played.pop_front();
+        }
+        self.played.push_back(Played { playing, reported });
+    }
+
+    /// The newest horizon sent.
+    pub fn newest(&self) -> Option<&Horizon> {
+        self.sent.back()
+    }
+
+    /// Whether what was played from `from` to `to` is known: horizons remembered, no hole in the reports.
+    pub fn is_known(&self, from: f64, to: f64) -> bool {
+        let Some(first) = self.played.iter().rposition(|played| played.playing.since <= from)
+        else {
+            return false;
+        };
+        let mut known_until = f64::NEG_INFINITY;
+        for played in self.played.iter().skip(first) {
+            if known_until > f64::NEG_INFINITY && played.playing.since > known_until + 2.0 * SLOT {
+                return false;
+            }
+            known_until = played.reported;
+            if self.horizon(played.playing.horizon).is_none() {
+                return false;
+            }
+            if known_until >= to {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn horizon(&self, sequence: u64) -> Option<&Horizon> {
+        // Asked for among the newest, as a rule.
+        self.sent.iter().rev().find(|horizon| horizon.sequence == sequence)
+    }
+
+    /// The horizon in force at `time`, and when another one takes its place.
+    fn in_force(&self, attribution: Attribution, time: f64) -> (Option<&Horizon>, f64) {
+        let soon = time + 1e-9;
+        let sent = || {
+            let next = self.sent.iter().rposition(|horizon| horizon.start <= soon);
+            let until =
+                self.sent.get(next.map_or(0, |at| at + 1)).map_or(f64::INFINITY, |h| h.start);
+            (next.and_then(|at| self.sent.get(at)), until)
+        };
+        if attribution == Attribution::Sent {
+            return sent();
+        }
+        let Some(at) = self.played.iter().rposition(|played| played.playing.since <= soon) else {
+            let until = self.played.front().map_or(f64::INFINITY, |played| played.playing.since);
+            return if self.played.is_empty() { sent() } else { (None, until) };
+        };
+        let played = self.played[at];
+        if let Some(next) = self.played.get(at + 1) {
+            return (self.horizon(played.playing.horizon), next.playing.since);
+        }
+        if soon < played.reported {
+            return (self.horizon(played.playing.horizon), played.reported);
+        }
+        // Past the last report the best guess is that the newest replies come in time.
+        let (horizon, until) = sent();
+        match horizon {
+            Some(horizon) if horizon.sequence > played.playing.horizon => (Some(horizon), until),
+            _ => (self.horizon(played.playing.horizon), until),
+        }
+    }
+
+    /// The wheel speeds in force at `time`.
+    pub fn at(&self, attribution: Attribution, drive: &Drive, time: f64) -> WheelSpeeds {
+        let (horizon, _) = self.in_force(attribution, time);
+        horizon.map_or(WheelSpeeds::ZERO, |horizon| horizon.at(time, drive))
+    }
+
+    /// Calls `each` with the wheel speeds in force and their duration in s, from `from` to `to` without a gap.
+    pub fn walk(
+        &self,
+        attribution: Attribution,
+        drive: &Drive,
+        from: f64,
+        to: f64,
+        mut each: impl FnMut(WheelSpeeds, f64),
+    ) {
+        let mut time = from;
+        while time < to - 1e-9 {
+            let (horizon, until) = self.in_force(attribution, time);
+            let (speeds, change) = match horizon {
+                Some(horizon) => (horizon.at(time, drive), horizon.next_change(time, drive)),
+                None => (WheelSpeeds::ZERO, f64::INFINITY),
+            };
+            let next = until.min(change).min(to);
+            each(speeds, next - time);
+            time = next;
+        }
+    }
+
+    /// Forgets all: another clock counts from here on.
+    pub fn clear(&mut self) {
+        self.sent.clear();
+        self.played.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn horizon(sequence: u64, start: f64, speed: f64, slots: usize) -> Horizon {
+        Horizon {
+            sequence,
+            answers: sequence,
+            start,
+            slot: SLOT,
+            watchdog: 0.3,
+            speeds: (0..slots).map(|_| WheelSpeeds { left: speed, right: speed }).collect(),
+        }
+    }
+
+    fn three() -> Commands {
+        let mut commands = Commands::default();
+        for (sequence, start, speed) in [(1, 0.0, 1.0), (2, 0.1, 2.0), (3, 0.2, 3.0)] {
+            commands.send(&horizon(sequence, start, speed, 20));
+        }
+        commands
+    }
+
+    #[test]
+    fn as_sent_each_horizon_holds_until_the_next_begins() {
+        let (commands, drive) = (three(), Drive::default());
+        let at = |time| commands.at(Attribution::Sent, &drive, time).left;
+        assert_eq!([at(-0.1), at(0.05), at(0.1), at(0.25)], [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(at(5.0), 0.0, "a robot that hears nothing stops by itself");
+    }
+
+    #[test]
+    fn as_played_the_reports_count() {
+        let (mut commands, drive) = (three(), Drive::default());
+        commands.report(Playing { horizon: 1, since: 0.0 }, 0.10);
+        commands.report(Playing { horizon: 1, since: 0.0 }, 0.18);
+        commands.report(Playing { horizon: 3, since: 0.22 }, 0.30);
+        let at = |time| commands.at(Attribution::Played, &drive, time).left;
+        assert_eq!([at(0.05), at(0.15), at(0.21), at(0.25)], [1.0, 1.0, 1.0, 3.0]);
+        assert!(commands.is_known(0.05, 0.29));
+        assert!(!commands.is_known(0.05, 0.31), "nothing is known past the last report");
+        assert!(!commands.is_known(-0.1, 0.2), "nor before the first");
+    }
+
+    #[test]
+    fn a_hole_in_the_reports_is_noticed() {
+        let mut commands = three();
+        commands.report(Playing { horizon: 1, since: 0.0 }, 0.05);
+        commands.report(Playing { horizon: 3, since: 0.22 }, 0.30);
+        assert!(!commands.is_known(0.01, 0.28));
+    }
+
+    proptest! {
+        /// A walk covers its time exactly and sees what looking at each moment sees.
+        #[test]
+        fn a_walk_has_no_gap(from in -0.2..0.5f64, length in 0.0..2.0f64, played in any::<bool>()) {
+            let (mut commands, drive) = (three(), Drive::default());
+            commands.report(Playing { horizon: 1, since: 0.03 }, 0.10);
+            commands.report(Playing { horizon: 2, since: 0.13 }, 0.20);
+            let attribution = if played { Attribution::Played } else { Attribution::Sent };
+            let mut time = from;
+            let mut wrong = 0;
+            commands.walk(attribution, &drive, from, from + length, |speeds, duration| {
+                wrong += i32::from(speeds != commands.at(attribution, &drive, time + duration / 2.0));
+                time += duration;
+            });
+            prop_assert_eq!(wrong, 0);
+            prop_assert!((time - from - length).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,521 @@
+//! One robot: observe, identify, predict, steer, limit by variance, command a horizon.
+//!
+//! [`Controller::step`] is the whole of it: a pure transition from state and request to state and horizon. The
+//! state can be stored and restored; the same state and requests give the same horizons.
+
+mod plan;
+pub mod settings;
+pub mod task;
+
+use crate::commands::Commands;
+use crate::exchange::{Observation, Request};
+use crate::geometry::{Displacement, Point, WheelSpeeds};
+use crate::horizon::{Horizon, SLOT};
+use crate::identification::estimate::Environment;
+use crate::identification::{Belief, Verdict, Window};
+use crate::kinematics;
+use crate::prediction::{Agents, ErrorModel, Motion, Prediction};
+use arrayvec::ArrayVec;
+use plan::{Phase, Plan, REST_SLOTS, Start};
+use serde::{Deserialize, Serialize};
+use settings::{Attribution, PredictorKind, Settings};
+use task::{Progress, Stage, Task};
+
+/// Version of the stored state; a state of another version is not taken up.
+pub const STATE_VERSION: u32 = 1;
+
+/// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
+pub const BELIEVED_AGAIN: u32 = 5;
+
+/// Longest time in s that a pose is predicted ahead; beyond it the robot rests until a fresh pose comes.
+const MAX_AHEAD: f64 = 2.0;
+
+/// A pose at most this old in s, beyond the loop delay, is fresh.
+const FRESH: f64 = 0.15;
+
+/// A gap between poses in s, beyond which a window of motion begins anew.
+const MAX_GAP: f64 = 0.5;
+
+/// A pause in s after which a phase is taken up again rather than gone on with.
+const PAUSE: f64 = 1.0;
+
+/// Margin of a believable pose in m and rad, for what the known noise does not cover.
+const MARGIN: (f64, f64) = (0.005, 0.1);
+
+/// Something that happened in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A pose was set aside: the robot cannot have moved there.
+    PoseSetAside {
+        /// The pose.
+        observation: Observation,
+        /// Distance in m from where it was predicted.
+        distance: f64,
+    },
+    /// Several consistent poses in a row are believed again.
+    PosesBelievedAgain,
+    /// The calibration is over; the task's time begins.
+    CalibrationEnded,
+    /// The robot was seen at rest at a waypoint.
+    WaypointReached {
+        /// Index of the waypoint.
+        leg: usize,
+    },
+    /// The last waypoint was reached.
+    Arrived,
+}
+
+/// The answer to one request.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// What the robot is to play.
+    pub horizon: Horizon,
+    /// What happened.
+    pub events: ArrayVec<Event, 8>,
+}
+
+/// What is known of the robot's motion up to its last accepted pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Track {
+    last: Observation,
+    /// What the commands make the wheels do at that time, lag included.
+    wheels: WheelSpeeds,
+    window: Window,
+    /// Smoothed time in s between poses.
+    interval: f64,
+}
+
+/// Poses that are set aside for now: the last one and how many in a row agree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Doubt {
+    last: Observation,
+    count: u32,
+}
+
+/// How far the task has got, as observed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Record {
+    /// Waypoints at which the robot was seen at rest.
+    reached: usize,
+    /// Where the task began, once it did.
+    origin: Option<Point>,
+    /// Robot time in s since when the task counts.
+    began: Option<f64>,
+    /// When the plan in force left the waypoint that is to be confirmed next.
+    left: Option<f64>,
+    deviation: f64,
+    max_deviation: f64,
+    elapsed: f64,
+}
+
+/// The controller of one robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Controller {
+    version: u32,
+    settings: Settings,
+    belief: Belief,
+    commands: Commands,
+    track: Option<Track>,
+    doubt: Option<Doubt>,
+    task: Option<Task>,
+    phase: Phase,
+    plan: Option<Plan>,
+    record: Record,
+    stopped: bool,
+}
+
+impl Controller {
+    /// A controller that has seen nothing yet.
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            version: STATE_VERSION,
+            belief: Belief::new(settings.method, &settings.prior, settings.drift),
+            settings,
+            commands: Commands::default(),
+            track: None,
+            doubt: None,
+            task: None,
+            phase: Phase::Idle,
+            plan: None,
+            record: Record::default(),
+            stopped: false,
+        }
+    }
+
+    /// Whether a stored state is of this version.
+    pub fn is_current(&self) -> bool {
+        self.version == STATE_VERSION
+    }
+
+    /// Answers one request: learns from its reports and poses, and plans the next horizon.
+    pub fn step(&mut self, request: &Request) -> Output {
+        let mut events = ArrayVec::new();
+        self.learn(request);
+        for observation in &request.observations {
+            self.observe(*observation, &mut events);
+        }
+        let horizon = self.command(request, &mut events);
+        self.commands.send(&horizon);
+        Output { horizon, events }
+    }
+
+    /// A request that was overtaken by a newer one: it teaches the link model and changes nothing else.
+    /// Returns the newest horizon.
+    pub fn late(&mut self, request: &Request) -> Option<Horizon> {
+        for delivery in &request.deliveries {
+            self.belief.link.update(delivery);
+        }
+        self.commands.newest().cloned()
+    }
+
+    fn learn(&mut self, request: &Request) {
+        self.belief.link.request(request.sequence, request.observations.last());
+        for delivery in &request.deliveries {
+            self.belief.link.update(delivery);
+        }
+        if let Some(playing) = request.playing {
+            self.commands.report(playing, request.sent);
+        }
+    }
+
+    /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
+    fn observe(&mut self, observation: Observation, events: &mut ArrayVec<Event, 8>) {
+        let Some(track) = self.track else {
+            self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
+            return;
+        };
+        if observation.taken <= track.last.taken {
+            return;
+        }
+        let (window, moved, wheels) = self.nominal(&track, observation.taken);
+        let predicted = track.last.pose.then(moved);
+        let span = observation.taken - track.last.taken;
+        if !self.can_have_moved(predicted.relative_to(observation.pose), span) {
+            self.belief.poses_set_aside += 1;
+            let again = self.doubt.filter(|doubt| {
+                let span = observation.taken - doubt.last.taken;
+                self.can_have_moved(doubt.last.pose.relative_to(observation.pose), span)
+            });
+            let count = again.map_or(1, |doubt| doubt.count + 1);
+            if count < BELIEVED_AGAIN {
+                self.doubt = Some(Doubt { last: observation, count });
+                let distance = predicted.point().distance(observation.pose.point());
+                let _ = events.try_push(Event::PoseSetAside { observation, distance });
+                return;
+            }
+            let _ = events.try_push(Event::PosesBelievedAgain);
+            self.track =
+                Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
+        } else {
+            let window = self.close(window, &track, &observation);
+            let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
+            self.track = Some(Track { last: observation, wheels, window, interval });
+        }
+        self.doubt = None;
+        self.follow_task(&observation, events);
+    }
+
+    /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
+    /// displacement, and what the wheels do at its end.
+    fn nominal(&self, track: &Track, until: f64) -> (Window, Displacement, WheelSpeeds) {
+        let drive = &self.settings.drive;
+        let (mut window, mut moved, mut wheels) =
+            (track.window, Displacement::default(), track.wheels);
+        self.walk(track.last.taken, until, |speeds, duration| {
+            let (end, mean) = kinematics::follow(drive.lag, wheels, speeds, duration);
+            window.add(drive, mean, duration);
+            let twist = kinematics::forward(drive, mean);
+            moved = moved.then(kinematics::integrate(twist, duration));
+            wheels = end;
+        });
+        (window, moved, wheels)
+    }
+
+    /// The commands that act on the robot from `from` to `until`: dead time after they come into force.
+    fn walk(&self, from: f64, until: f64, each: impl FnMut(WheelSpeeds, f64)) {
+        let Settings { drive, attribution, .. } = &self.settings;
+        self.commands.walk(
+            *attribution,
+            drive,
+            from - drive.dead_time,
+            until - drive.dead_time,
+            each,
+        );
+    }
+
+    /// Whether a robot can be off its prediction by `offset` after `span` s.
+    fn can_have_moved(&self, offset: Displacement, span: f64) -> bool {
+        let Settings { drive, noise, .. } = &self.settings;
+        let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
+        let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
+        offset.forward.hypot(offset.lateral) <= far && offset.turn.abs() <= turned
+    }
+
+    /// Closes the window with a pose where it is ripe; the window that goes on.
+    fn close(&mut self, window: Window, track: &Track, end: &Observation) -> Window {
+        let Settings { drive, noise, attribution, .. } = self.settings;
+        let start = window.start.taken;
+        if end.taken - track.last.taken > MAX_GAP {
+            return Window::new(*end);
+        }
+        if attribution == Attribution::Played
+            && !self.commands.is_known(start - drive.dead_time, end.taken - drive.dead_time)
+        {
+            return Window::new(*end);
+        }
+        match window.verdict(&drive, noise, end) {
+            Verdict::Open => return window,
+            Verdict::Rest => {}
+            Verdict::Rejected => self.belief.windows_rejected += 1,
+            Verdict::Closed(samples) => self.belief.update(&samples, start, end.taken),
+        }
+        Window::new(*end)
+    }
+
+    /// Follows the task as observed: deviation, waypoints reached, waypoints left without having been reached.
+    fn follow_task(&mut self, observation: &Observation, events: &mut ArrayVec<Event, 8>) {
+        let (Some(task), Some(began), Some((from, target))) =
+            (&self.task, self.record.began, self.leg())
+        else {
+            return;
+        };
+        if observation.taken < began {
+            return;
+        }
+        let here = observation.pose.point();
+        self.record.deviation = here.distance_to_segment(from, target);
+        self.record.max_deviation = self.record.max_deviation.max(self.record.deviation);
+        self.record.elapsed = observation.taken - began;
+        if here.distance(target) <= task.tolerance && self.was_at_rest(observation.taken) {
+            let leg = self.record.reached;
+            let is_last = leg + 1 == task.waypoints.len();
+            self.record.reached += 1;
+            self.record.left = None;
+            let _ = events.try_push(Event::WaypointReached { leg });
+            if is_last {
+                self.phase = Phase::Arrived;
+                self.plan = None;
+                let _ = events.try_push(Event::Arrived);
+            }
+        } else if self.record.left.is_some_and(|left| observation.taken > left + SLOT) {
+            // The plan went on although the robot was not seen at the waypoint: back to it.
+            self.record.left = None;
+            self.phase = Phase::Turning { leg: self.record.reached, side: 0 };
+            self.plan = None;
+        }
+    }
+
+    /// Whether zero was played for three slots before `time`, by the robot's reports where there are any.
+    fn was_at_rest(&self, time: f64) -> bool {
+        let drive = &self.settings.drive;
+        (0..REST_SLOTS).all(|slot| {
+            let then = time - drive.dead_time - f64::from(slot) * self.settings.slot;
+            self.commands.at(Attribution::Played, drive, then) == WheelSpeeds::ZERO
+        })
+    }
+
+    /// Plans the horizon that answers `request`.
+    fn command(&mut self, request: &Request, events: &mut ArrayVec<Event, 8>) -> Horizon {
+        let Settings { drive, slot, watchdog, loop_delay, attribution, .. } = self.settings;
+        let mut horizon = Horizon {
+            sequence: request.sequence,
+            answers: request.sequence,
+            start: request.sent + slot,
+            slot,
+            watchdog,
+            speeds: ArrayVec::new(),
+        };
+        let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
+        let Some(track) = self.track else {
+            horizon.start = horizon.start.max(newest);
+            horizon.speeds.push(WheelSpeeds::ZERO);
+            return horizon;
+        };
+        let taken = track.last.taken;
+        horizon.start = horizon.start.max(taken + loop_delay).max(newest);
+        self.enter_phase(newest, horizon.start, &track, events);
+
+        let model = self.belief.model();
+        let (prediction, wheels) = self.predict(&track, &model, horizon.start, request.sequence);
+        let before = self.commands.at(attribution, &drive, horizon.start - 1e-6);
+        let age = request.sent - taken;
+        let start = Start {
+            prediction,
+            wheels,
+            previous: kinematics::forward(&drive, before),
+            phase: self.phase,
+            fresh: age <= loop_delay + FRESH,
+            stopped: self.stopped || horizon.start - taken > MAX_AHEAD,
+            rest_slots: REST_SLOTS + (track.interval / slot).ceil() as u32,
+        };
+        let plan = plan::plan(&self.settings, &model, self.task.as_ref(), start);
+        horizon.speeds = plan.speeds.clone();
+        self.plan = Some(plan);
+        horizon
+    }
+
+    /// The phase at the start of the new horizon: what the old plan had come to by then.
+    fn enter_phase(
+        &mut self,
+        old_start: f64,
+        start: f64,
+        track: &Track,
+        events: &mut ArrayVec<Event, 8>,
+    ) {
+        if let Some(plan) = &self.plan {
+            let slots = ((start - old_start) / self.settings.slot + 1e-6).floor().max(0.0) as usize;
+            let last = plan.phases.len() - 1;
+            let before = self.phase;
+            self.phase = plan.phases[slots.min(last)];
+            if start - old_start > self.settings.slot * last as f64 + PAUSE {
+                self.phase = self.phase.resumed();
+            }
+            if before.leg() != self.phase.leg() && before.leg() == Some(self.record.reached) {
+                self.record.left = Some(start);
+            }
+        }
+        if self.record.began.is_none() && self.phase.leg().is_some() {
+            self.record.began = Some(start - self.record.elapsed);
+            if self.record.origin.is_none() {
+                self.record.origin = Some(track.last.pose.point());
+                let _ = events.try_push(Event::CalibrationEnded);
+            }
+        }
+    }
+
+    /// The pose at the start of the horizon, and what the wheels do then.
+    fn predict(
+        &self,
+        track: &Track,
+        model: &ErrorModel,
+        start: f64,
+        sequence: u64,
+    ) -> (Prediction, WheelSpeeds) {
+        let Settings { drive, noise, predictor, .. } = &self.settings;
+        let pose = track.last.pose;
+        let mut prediction = match *predictor {
+            PredictorKind::Moments => Prediction::moments(pose, *noise),
+            PredictorKind::MonteCarlo { agents, cell, seed } => Prediction::MonteCarlo(
+                Agents::new(pose, *noise, model, agents, cell, seed ^ sequence),
+            ),
+        };
+        let mut wheels = track.wheels;
+        // Commands act a dead time after they come into force, those of the horizon too.
+        self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
+            let (end, mean) = kinematics::follow(drive.lag, wheels, speeds, duration);
+            let twist = kinematics::forward(drive, mean);
+            let (length, turn) = (twist.linear * duration, twist.angular * duration);
+            prediction.advance(model, Motion { length, turn, duration });
+            wheels = end;
+        });
+        (prediction, wheels)
+    }
+
+    /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
+    pub fn set_task(&mut self, task: Task) {
+        self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
+        self.plan = None;
+        self.record = Record::default();
+        self.task = Some(task);
+    }
+
+    /// Drops the task; the robot ramps to rest.
+    pub fn cancel_task(&mut self) {
+        self.task = None;
+        self.phase = Phase::Idle;
+        self.plan = None;
+        self.record = Record::default();
+    }
+
+    /// Rest until [`Controller::resume`]; the task is kept.
+    pub fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// Goes on after [`Controller::stop`].
+    pub fn resume(&mut self) {
+        self.stopped = false;
+    }
+
+    /// Whether the robot has been told to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// The robot's clock counts anew (a new epoch): times are forgotten, what was learned and the task stay.
+    pub fn restart_clock(&mut self) {
+        self.commands.clear();
+        self.belief.link.restart_clock();
+        self.track = None;
+        self.doubt = None;
+        self.plan = None;
+        self.phase = self.phase.resumed();
+        self.record.left = None;
+        // Time goes on from what has elapsed, once the new clock is known.
+        self.record.began = None;
+    }
+
+    /// Back to the prior.
+    pub fn reset_environment(&mut self) {
+        self.belief.reset();
+    }
+
+    /// New settings. The task is kept; what was learned is kept unless method, prior or channels changed.
+    pub fn replace_settings(&mut self, settings: Settings) {
+        let old = &self.settings;
+        let relearn =
+            (old.method, old.prior, old.drift) != (settings.method, settings.prior, settings.drift);
+        if relearn {
+            self.belief = Belief::new(settings.method, &settings.prior, settings.drift);
+        }
+        self.settings = settings;
+        self.plan = None;
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The task.
+    pub fn task(&self) -> Option<&Task> {
+        self.task.as_ref()
+    }
+
+    /// The segment of the current leg, once the task has begun and until it is done.
+    pub fn leg(&self) -> Option<(Point, Point)> {
+        let (task, origin) = (self.task.as_ref()?, self.record.origin?);
+        let reached = self.record.reached;
+        let to = *task.waypoints.get(reached)?;
+        Some((if reached == 0 { origin } else { task.waypoints[reached - 1] }, to))
+    }
+
+    /// How far the task has got.
+    pub fn progress(&self) -> Progress {
+        let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
+        let Record { reached, deviation, max_deviation, elapsed, .. } = self.record;
+        let stage = if legs == 0 { Stage::Idle } else { self.phase.stage() };
+        Progress { stage, leg: reached, legs, deviation, max_deviation, elapsed }
+    }
+
+    /// The identified environment.
+    pub fn environment(&self) -> Environment {
+        self.belief.environment()
+    }
+
+    /// What is believed, for those who measure it.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// The last accepted pose.
+    pub fn pose(&self) -> Option<Observation> {
+        self.track.map(|track| track.last)
+    }
+}
+
+impl Track {
+    fn new(observation: Observation, wheels: WheelSpeeds) -> Self {
+        Self { last: observation, wheels, window: Window::new(observation), interval: SLOT }
+    }
+}

@@ -1,0 +1,412 @@
+//! The plan: the whole task rolled forward on the predicted pose, one slot at a time, transitions included.
+
+use super::settings::Settings;
+use super::task::{Calibration, Stage, Task};
+use crate::geometry::{Pose, Twist, WheelSpeeds};
+use crate::horizon::MAX_SLOTS;
+use crate::kinematics::{self, Drive};
+use crate::prediction::{ErrorModel, Motion, Prediction};
+use crate::steering;
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Slots at rest before a waypoint counts as reached.
+pub const REST_SLOTS: u32 = 3;
+
+/// A turn smaller than this many rad is not worth making at the start of a leg: the curve takes it.
+const WORTH_TURNING: f64 = 0.02;
+
+/// Parts of the speed by which the variance rule slows a command down (delta alpha of the thesis, section 4.1.4).
+const SLOWER: u32 = 10;
+
+/// Beyond this heading error in rad a turn under way keeps its side: half a turn has no shorter one.
+const KEEP_SIDE: f64 = 2.0;
+
+/// Where in its task a robot is, slot by slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Phase {
+    /// No task, or it was cancelled.
+    #[default]
+    Idle,
+    /// Rotating and stopping, in the given slot of the calibration.
+    Calibrating { slot: u32 },
+    /// The calibration's straight part, ahead of `origin` and back.
+    Straight { outbound: bool, origin: Pose, rested: u32 },
+    /// Turning toward waypoint `leg`, to the left (+1), to the right (-1) or not yet decided (0).
+    Turning { leg: usize, side: i8 },
+    /// Driving to waypoint `leg`.
+    Driving { leg: usize },
+    /// At rest at waypoint `leg`.
+    Stopping { leg: usize, rested: u32 },
+    /// At rest at the last waypoint, and seen there.
+    Arrived,
+}
+
+impl Phase {
+    /// The first phase of a task.
+    pub fn first(task: &Task) -> Self {
+        match task.calibration {
+            Some(_) => Self::Calibrating { slot: 0 },
+            None => Self::Turning { leg: 0, side: 0 },
+        }
+    }
+
+    /// The waypoint that the robot is heading for, once its calibration is over.
+    pub fn leg(self) -> Option<usize> {
+        match self {
+            Self::Turning { leg, .. } | Self::Driving { leg } | Self::Stopping { leg, .. } => {
+                Some(leg)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same phase taken up again after a pause of unknown motion.
+    pub fn resumed(self) -> Self {
+        match self {
+            Self::Driving { leg } | Self::Turning { leg, .. } => Self::Turning { leg, side: 0 },
+            Self::Stopping { leg, .. } => Self::Stopping { leg, rested: 0 },
+            other => other,
+        }
+    }
+
+    /// As it is shown.
+    pub fn stage(self) -> Stage {
+        match self {
+            Self::Idle => Stage::Idle,
+            Self::Calibrating { .. } | Self::Straight { .. } => Stage::Calibrating,
+            Self::Turning { .. } => Stage::Turning,
+            Self::Driving { .. } => Stage::Driving,
+            Self::Stopping { .. } => Stage::Stopping,
+            Self::Arrived => Stage::Arrived,
+        }
+    }
+}
+
+/// What a plan starts from.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The predicted pose at the beginning of the first slot.
+    pub prediction: Prediction,
+    /// What the wheels really do then.
+    pub wheels: WheelSpeeds,
+    /// The command in force until then.
+    pub previous: Twist,
+    /// Where in the task the robot is then.
+    pub phase: Phase,
+    /// Whether the newest pose is fresh: without one an unsure robot does not even creep.
+    pub fresh: bool,
+    /// Whether the robot has been told to stop.
+    pub stopped: bool,
+    /// Slots at rest after which the robot leaves a waypoint: long enough to be seen there.
+    pub rest_slots: u32,
+}
+
+/// A plan: a command per slot, and the phase at the beginning of each and at the end of the last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Wheel speeds per slot.
+    pub speeds: ArrayVec<WheelSpeeds, MAX_SLOTS>,
+    /// One more phase than slots.
+    pub phases: ArrayVec<Phase, { MAX_SLOTS + 1 }>,
+}
+
+/// Rolls the task forward.
+pub fn plan(settings: &Settings, model: &ErrorModel, task: Option<&Task>, start: Start) -> Plan {
+    let mut roll = Roll { settings, model, task, state: start };
+    let mut plan = Plan { speeds: ArrayVec::new(), phases: ArrayVec::new() };
+    for slot in 0..settings.slots.clamp(1, MAX_SLOTS) {
+        plan.phases.push(roll.state.phase);
+        plan.speeds.push(roll.next(slot));
+    }
+    plan.phases.push(roll.state.phase);
+    plan
+}
+
+/// What the way to a point asks for.
+enum Approach {
+    /// The robot is there, or as near as it gets.
+    Reached,
+    /// The point lies too far off the heading to be driven to.
+    OffHeading,
+    /// Drive.
+    Go(Twist),
+}
+
+struct Roll<'a> {
+    settings: &'a Settings,
+    model: &'a ErrorModel,
+    task: Option<&'a Task>,
+    state: Start,
+}
+
+impl Roll<'_> {
+    /// Decides one slot and goes on by it.
+    fn next(&mut self, slot: usize) -> WheelSpeeds {
+        let desired = match self.task {
+            Some(task) if !self.state.stopped => self.decide(task),
+            _ => Twist::ZERO,
+        };
+        let command = self.admit(desired, slot);
+        let (wheels, motion) = self.motion(command);
+        self.state.prediction.advance(self.model, motion);
+        self.state.wheels = wheels;
+        self.state.previous = command;
+        kinematics::inverse(&self.settings.drive, command)
+    }
+
+    /// The motion of the next slot under `command`, and the wheel speeds at its end.
+    fn motion(&self, command: Twist) -> (WheelSpeeds, Motion) {
+        let (drive, duration) = (&self.settings.drive, self.settings.slot);
+        let speeds = kinematics::inverse(drive, command);
+        let (end, mean) = kinematics::follow(drive.lag, self.state.wheels, speeds, duration);
+        let twist = kinematics::forward(drive, mean);
+        let (length, turn) = (twist.linear * duration, twist.angular * duration);
+        (end, Motion { length, turn, duration })
+    }
+
+    /// The fastest command along `desired` whose variance at the end of its slot is under the limits
+    /// (thesis section 4.1.4), reachable from the previous one.
+    fn admit(&self, desired: Twist, slot: usize) -> Twist {
+        let (drive, previous) = (&self.settings.drive, self.state.previous);
+        let reached = |twist| drive.reach(previous, twist, self.settings.slot);
+        let full = reached(drive.limited(desired));
+        if full == Twist::ZERO || self.is_sure(full) {
+            return full;
+        }
+        let slowest = crawl(drive, full);
+        for part in 1..SLOWER {
+            let slower = full.scaled(1.0 - f64::from(part) / f64::from(SLOWER));
+            if is_slower(slower, slowest) {
+                break;
+            }
+            let slower = reached(slower);
+            if self.is_sure(slower) {
+                return slower;
+            }
+        }
+        // An unsure robot creeps, it does not deadlock: within the expected loop delay a fresh pose will correct it.
+        let soon = slot as f64 * self.settings.slot < self.settings.loop_delay;
+        reached(if self.state.fresh && soon { slowest } else { Twist::ZERO })
+    }
+
+    fn is_sure(&self, command: Twist) -> bool {
+        let (_, motion) = self.motion(command);
+        let spread = self.state.prediction.spread_after(self.model, motion);
+        let limits = &self.settings.variance;
+        spread.position <= limits.position && spread.heading <= limits.heading
+    }
+
+    /// The twist that the task wants now; the phase goes on.
+    fn decide(&mut self, task: &Task) -> Twist {
+        // Each pass is a transition that costs no time; a task has a handful in a row at most.
+        for _ in 0..8 {
+            let before = self.state.phase;
+            let desired = match before {
+                Phase::Idle | Phase::Arrived => Some(Twist::ZERO),
+                Phase::Calibrating { slot } => self.rotate(task, slot),
+                Phase::Straight { outbound, origin, rested } => {
+                    self.straight(task, outbound, origin, rested)
+                }
+                Phase::Turning { leg, side } => self.turn(task, leg, side),
+                Phase::Driving { leg } => self.drive(task, leg),
+                Phase::Stopping { leg, rested } => self.rest(task, leg, rested),
+            };
+            if let Some(desired) = desired {
+                return desired;
+            }
+        }
+        Twist::ZERO
+    }
+
+    /// Whether the last command left the robot at rest.
+    fn rests(&self) -> bool {
+        self.state.previous == Twist::ZERO
+    }
+
+    /// The pose at which the robot would come to rest if the command were zero from now on: the actuator's lag
+    /// carries it on by lag x speed.
+    fn coasted(&self) -> Pose {
+        let (drive, mean) = (&self.settings.drive, self.state.prediction.mean());
+        let twist = kinematics::forward(drive, self.state.wheels);
+        mean.then(kinematics::integrate(twist, drive.lag))
+    }
+
+    fn rotate(&mut self, task: &Task, slot: u32) -> Option<Twist> {
+        let slots = |seconds: f64| (seconds / self.settings.slot).round().max(1.0) as u32;
+        let calibration =
+            task.calibration.unwrap_or(Calibration { rotations: 0, ..Calibration::default() });
+        let (rotate, pause) = (slots(calibration.rotate), slots(calibration.pause));
+        let turn = slot / (rotate + pause);
+        if turn >= calibration.rotations {
+            self.state.phase = if calibration.straight > 0.0 && task.calibration.is_some() {
+                let origin = self.state.prediction.mean();
+                Phase::Straight { outbound: true, origin, rested: 0 }
+            } else {
+                Phase::Turning { leg: 0, side: 0 }
+            };
+            return None;
+        }
+        self.state.phase = Phase::Calibrating { slot: slot + 1 };
+        let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
+        let rotating = slot % (rotate + pause) < rotate;
+        Some(Twist::new(0.0, if rotating { side * calibration.angular } else { 0.0 }))
+    }
+
+    fn straight(
+        &mut self,
+        task: &Task,
+        outbound: bool,
+        origin: Pose,
+        rested: u32,
+    ) -> Option<Twist> {
+        let length = task.calibration.map_or(0.0, |calibration| calibration.straight);
+        let ahead = crate::geometry::Displacement { forward: length, ..Default::default() };
+        let target = if outbound { origin.then(ahead) } else { origin };
+        match self.approach(target.point(), !outbound, task.tolerance) {
+            Approach::Go(twist) if rested == 0 => return Some(twist),
+            _ => {}
+        }
+        if !self.rests() || rested < REST_SLOTS {
+            self.state.phase = Phase::Straight { outbound, origin, rested: rested + 1 };
+            return Some(Twist::ZERO);
+        }
+        self.state.phase = if outbound {
+            Phase::Straight { outbound: false, origin, rested: 0 }
+        } else {
+            Phase::Turning { leg: 0, side: 0 }
+        };
+        None
+    }
+
+    fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {
+        if self.state.previous.linear != 0.0 {
+            return Some(Twist::ZERO);
+        }
+        let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
+        let (ahead, aside) = pose.toward(target);
+        if side == 0 && self.rests() && ahead.hypot(aside) <= task.tolerance {
+            self.state.phase = Phase::Stopping { leg, rested: 0 };
+            return None;
+        }
+        let error = heading_error(ahead, aside, task.reverse);
+        if side == 0 {
+            if error.abs() <= WORTH_TURNING {
+                self.state.phase = Phase::Driving { leg };
+                return None;
+            }
+            let side = if error > 0.0 { 1 } else { -1 };
+            self.state.phase = Phase::Turning { leg, side };
+            return None;
+        }
+        let direction = f64::from(side);
+        let mut remaining = error * direction;
+        if remaining < -KEEP_SIDE {
+            remaining += TAU;
+        }
+        if remaining > drive.min_angular * self.settings.slot / 2.0 {
+            let stoppable = steering::stopping_speed(
+                remaining,
+                drive.max_angular_acceleration,
+                self.settings.slot,
+            );
+            let speed = stoppable.clamp(drive.min_angular, drive.max_angular);
+            return Some(Twist::new(0.0, direction * speed));
+        }
+        if !self.rests() {
+            return Some(Twist::ZERO);
+        }
+        self.state.phase = if error.abs() <= self.settings.steering.turn_tolerance {
+            Phase::Driving { leg }
+        } else {
+            Phase::Turning { leg, side: 0 }
+        };
+        None
+    }
+
+    fn drive(&mut self, task: &Task, leg: usize) -> Option<Twist> {
+        let reversing = task.reverse && {
+            let (ahead, _) = self.coasted().toward(task.waypoints[leg]);
+            ahead < 0.0
+        };
+        match self.approach(task.waypoints[leg], reversing, task.tolerance) {
+            Approach::Go(twist) => Some(twist),
+            Approach::OffHeading => {
+                self.state.phase = Phase::Turning { leg, side: 0 };
+                None
+            }
+            Approach::Reached => {
+                self.state.phase = Phase::Stopping { leg, rested: 0 };
+                None
+            }
+        }
+    }
+
+    fn rest(&mut self, task: &Task, leg: usize, rested: u32) -> Option<Twist> {
+        let is_last = leg + 1 == task.waypoints.len();
+        let rested = if self.rests() { rested + 1 } else { 0 };
+        if rested > self.state.rest_slots {
+            let away = self.coasted().point().distance(task.waypoints[leg]) > task.tolerance;
+            if away || !is_last {
+                let leg = if away { leg } else { leg + 1 };
+                self.state.phase = Phase::Turning { leg, side: 0 };
+                return None;
+            }
+        }
+        self.state.phase = Phase::Stopping { leg, rested };
+        Some(Twist::ZERO)
+    }
+
+    /// The way to `target`, forward or in reverse, from the pose to which the robot coasts.
+    fn approach(&self, target: crate::geometry::Point, reverse: bool, tolerance: f64) -> Approach {
+        let (drive, law) = (&self.settings.drive, &self.settings.steering);
+        let (ahead, aside) = self.coasted().toward(target);
+        let distance = ahead.hypot(aside);
+        let onward = if reverse { -ahead } else { ahead };
+        let error = heading_error(ahead, aside, reverse).abs();
+        if distance <= law.stop_radius
+            || (distance <= tolerance && (onward <= 0.0 || error > law.turn_beyond))
+        {
+            return Approach::Reached;
+        }
+        if onward <= 0.0 || error > law.turn_beyond {
+            return Approach::OffHeading;
+        }
+        let wanted = steering::curve(ahead, aside, law.alpha);
+        let stoppable = steering::stopping_speed(
+            distance - law.stop_radius / 2.0,
+            drive.max_linear_acceleration,
+            self.settings.slot,
+        );
+        let limited = drive.limited(wanted);
+        let speed = limited.linear.abs().min(stoppable).max(drive.min_linear);
+        // The curve belongs to the speed that is really reached.
+        let forward = Twist::new(speed.copysign(wanted.linear), 0.0);
+        let reached = drive.reach(self.state.previous, forward, self.settings.slot).linear;
+        let bend = wanted.angular / wanted.linear;
+        let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
+        Approach::Go(Twist::new(reached, angular))
+    }
+}
+
+/// The turn in rad that points the robot, or its tail where it may reverse to what lies behind, at a point.
+fn heading_error(ahead: f64, aside: f64, reverse: bool) -> f64 {
+    let error = aside.atan2(ahead);
+    if reverse && error.abs() > FRAC_PI_2 { (-aside).atan2(-ahead) } else { error }
+}
+
+/// The slowest command along `twist` at which the motors turn.
+fn crawl(drive: &Drive, twist: Twist) -> Twist {
+    let slow = if twist.linear.abs() > 0.0 {
+        drive.min_linear / twist.linear.abs()
+    } else {
+        drive.min_angular / twist.angular.abs()
+    };
+    if slow < 1.0 { twist.scaled(slow) } else { twist }
+}
+
+fn is_slower(one: Twist, other: Twist) -> bool {
+    one.linear.abs() < other.linear.abs()
+        || (other.linear == 0.0 && one.angular.abs() < other.angular.abs())
+}

@@ -1,0 +1,106 @@
+//! A task: where to go, and how far it has got.
+
+use crate::geometry::Point;
+use serde::{Deserialize, Serialize};
+
+/// Most waypoints of one task.
+pub const MAX_WAYPOINTS: usize = 1000;
+
+/// Default distance in m from a waypoint within which the robot has arrived.
+pub const TOLERANCE: f64 = 0.010;
+
+/// Motion before a task from which the environment is learned: rotate, stop, repeated, then a straight part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// How often the robot rotates and stops, alternately left and right (the thesis: 10). At most 1000.
+    pub rotations: u32,
+    /// Angular velocity of the rotations in rad/s.
+    pub angular: f64,
+    /// Time of each rotation in s.
+    pub rotate: f64,
+    /// Time of each stop in s.
+    pub pause: f64,
+    /// Length in m of the straight part, driven forward and back; 0 where there is no room.
+    pub straight: f64,
+}
+
+impl Default for Calibration {
+    /// Ten rotations of 0.9 s at 0.8 rad/s, each long enough for a few windows at constant speed, and 0.3 m straight.
+    fn default() -> Self {
+        Self { rotations: 10, angular: 0.8, rotate: 0.9, pause: 0.3, straight: 0.3 }
+    }
+}
+
+/// Waypoints to visit in order, each a stop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// Points to stop at, at least one. The path is the straight segments between them; the first leg leads from
+    /// where the robot stands when the task begins to the first point (at once where it stands on it).
+    pub waypoints: Vec<Point>,
+    /// Distance in m from a waypoint within which the robot has arrived.
+    pub tolerance: f64,
+    /// Whether the robot may drive in reverse toward a waypoint behind it; otherwise it turns to face it.
+    pub reverse: bool,
+    /// Motion before the task; none where the environment is known well enough.
+    pub calibration: Option<Calibration>,
+}
+
+impl Task {
+    /// The task of the thesis's simulation, (0,0) -> (0.2,0) -> (-0.5,0) m, with its calibration.
+    pub fn thesis() -> Self {
+        Self {
+            waypoints: vec![Point::new(0.0, 0.0), Point::new(0.2, 0.0), Point::new(-0.5, 0.0)],
+            tolerance: TOLERANCE,
+            reverse: false,
+            calibration: Some(Calibration::default()),
+        }
+    }
+}
+
+/// What a robot is doing about its task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// No task.
+    Idle,
+    /// Moving to learn the environment before the task.
+    Calibrating,
+    /// Turning in place toward the next waypoint.
+    Turning,
+    /// Driving to the next waypoint.
+    Driving,
+    /// At rest at a waypoint until it has been seen there.
+    Stopping,
+    /// At the last waypoint: the task is done.
+    Arrived,
+}
+
+/// How far a task has got.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// What the robot is doing.
+    pub stage: Stage,
+    /// Index of the waypoint it is heading for; their number once arrived.
+    pub leg: usize,
+    /// Number of waypoints.
+    pub legs: usize,
+    /// Distance in m of the last accepted pose from the current leg.
+    pub deviation: f64,
+    /// Largest such distance since the calibration ended, in m.
+    pub max_deviation: f64,
+    /// Time in s since the calibration ended, until the arrival; 0 before.
+    pub elapsed: f64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            stage: Stage::Idle,
+            leg: 0,
+            legs: 0,
+            deviation: 0.0,
+            max_deviation: 0.0,
+            elapsed: 0.0,
+        }
+    }
+}

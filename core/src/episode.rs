@@ -1,0 +1,245 @@
+//! An episode: one robot, one link, one task, closed in simulated time.
+//!
+//! It runs the controller and the actuation that the server and the agent run: a simulated minute and a real minute
+//! over HTTP must agree.
+
+use crate::actuation::Actuation;
+use crate::controller::Controller;
+use crate::controller::settings::Settings;
+use crate::controller::task::{Stage, Task};
+use crate::exchange::{Exchange, Observation, Request};
+use crate::geometry::{Pose, WheelSpeeds};
+use crate::horizon::{Horizon, SLOT};
+use crate::identification::estimate::Environment;
+use crate::link::{Link, LinkError, LinkModel};
+use crate::plant::{Plant, PlantError, PlantModel};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// Default longest simulated time of an episode in s.
+pub const TIME_LIMIT: f64 = 300.0;
+
+/// Everything that an episode is made of, but its seed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scenario {
+    /// What the controller is told.
+    pub settings: Settings,
+    /// What the robot really is.
+    pub plant: PlantModel,
+    /// The link between them.
+    pub link: LinkModel,
+    /// What it is to do.
+    pub task: Task,
+    /// Where it stands.
+    pub start: Pose,
+    /// Simulated time in s after which the episode ends whatever the robot does.
+    pub time_limit: f64,
+}
+
+/// Why an episode cannot run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EpisodeError {
+    /// The link's model means nothing.
+    #[error("link: {0}")]
+    Link(#[from] LinkError),
+    /// The robot's model means nothing.
+    #[error("plant: {0}")]
+    Plant(#[from] PlantError),
+}
+
+/// How an episode ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Whether the robot was seen at rest at its last waypoint.
+    pub arrived: bool,
+    /// Time in s since the calibration ended, until the arrival or the end of the episode.
+    pub time: f64,
+    /// Largest distance in m of the robot's true position from the current leg.
+    pub max_deviation: f64,
+    /// The environment as identified at the end.
+    pub environment: Environment,
+}
+
+/// One moment of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TraceRow {
+    /// Simulated time in s.
+    pub time: f64,
+    /// Where the robot really is.
+    pub pose: Pose,
+    /// The wheel speeds that are applied from now on.
+    pub applied: WheelSpeeds,
+    /// What the controller is doing.
+    pub stage: Stage,
+    /// Waypoint that the robot is heading for.
+    pub leg: usize,
+    /// Distance in m of the true position from the current leg; 0 where there is none.
+    pub deviation: f64,
+}
+
+impl Scenario {
+    /// Runs the episode. The same scenario and seed give the same outcome, bit for bit.
+    ///
+    /// # Errors
+    /// Where link or plant mean nothing.
+    pub fn run(&self, seed: u64) -> Result<Outcome, EpisodeError> {
+        self.run_with(seed, |_| {}).map(|(outcome, _)| outcome)
+    }
+
+    /// Runs the episode and keeps its trace: a row for every change of wheel speeds and every pose.
+    ///
+    /// # Errors
+    /// Where link or plant mean nothing.
+    pub fn trace(&self, seed: u64) -> Result<(Outcome, Vec<TraceRow>), EpisodeError> {
+        let mut rows = Vec::new();
+        let (outcome, _) = self.run_with(seed, |row| rows.push(*row))?;
+        Ok((outcome, rows))
+    }
+
+    /// Runs the episode, shows each row of its trace as it comes, and returns the controller as it ended.
+    ///
+    /// # Errors
+    /// Where link or plant mean nothing.
+    pub fn run_with(
+        &self,
+        seed: u64,
+        mut show: impl FnMut(&TraceRow),
+    ) -> Result<(Outcome, Controller), EpisodeError> {
+        let mut world = World::new(self, seed)?;
+        while world.now < self.time_limit && world.controller.progress().stage != Stage::Arrived {
+            world.next();
+            show(&world.row());
+        }
+        let progress = world.controller.progress();
+        let outcome = Outcome {
+            arrived: progress.stage == Stage::Arrived,
+            time: progress.elapsed,
+            max_deviation: world.max_deviation,
+            environment: world.controller.environment(),
+        };
+        Ok((outcome, world.controller))
+    }
+}
+
+/// Robot, link and server of one episode, at one moment.
+struct World {
+    now: f64,
+    frames: u64,
+    plant: Plant,
+    link: Link,
+    exchange: Exchange,
+    actuation: Actuation,
+    controller: Controller,
+    applied: WheelSpeeds,
+    /// Poses on their way from the camera: (arrival, pose).
+    seen: VecDeque<(f64, Observation)>,
+    /// Requests and replies on their way, by arrival.
+    upward: VecDeque<(f64, Request)>,
+    downward: VecDeque<(f64, Horizon)>,
+    newest_request: u64,
+    max_deviation: f64,
+}
+
+impl World {
+    fn new(scenario: &Scenario, seed: u64) -> Result<Self, EpisodeError> {
+        let mut controller = Controller::new(scenario.settings);
+        controller.set_task(scenario.task.clone());
+        Ok(Self {
+            now: 0.0,
+            frames: 0,
+            plant: Plant::new(scenario.plant, scenario.start, seed)?,
+            link: Link::new(scenario.link.clone(), seed)?,
+            exchange: Exchange::new(0.0),
+            actuation: Actuation::new(scenario.settings.drive, 0.0),
+            controller,
+            applied: WheelSpeeds::ZERO,
+            seen: VecDeque::new(),
+            upward: VecDeque::new(),
+            downward: VecDeque::new(),
+            newest_request: 0,
+            max_deviation: 0.0,
+        })
+    }
+
+    /// Goes on to the next moment at which something happens, and lets it happen.
+    fn next(&mut self) {
+        let frame = self.frames as f64 * SLOT;
+        let first = |arrival: Option<f64>| arrival.unwrap_or(f64::INFINITY);
+        let next = frame
+            .min(first(self.seen.front().map(|(at, _)| *at)))
+            .min(first(self.upward.front().map(|(at, _)| *at)))
+            .min(first(self.downward.front().map(|(at, _)| *at)))
+            .min(self.actuation.next_change())
+            .min(self.exchange.next_request(self.now))
+            .max(self.now);
+        self.plant.advance(self.applied, next - self.now);
+        self.now = next;
+        if frame <= next {
+            self.frames += 1;
+            let observation = Observation { pose: self.plant.observe(), taken: frame };
+            self.seen.push_back((self.link.sensor(frame), observation));
+        }
+        while let Some((_, observation)) = due(&mut self.seen, next) {
+            self.exchange.observe(observation);
+        }
+        while let Some((_, request)) = due(&mut self.upward, next) {
+            self.serve(&request);
+        }
+        while let Some((_, horizon)) = due(&mut self.downward, next) {
+            self.exchange.reply(next, horizon.answers);
+            self.actuation.accept(horizon);
+        }
+        self.applied = self.actuation.advance(next);
+        if let Some(request) = self.exchange.request(next, self.actuation.playing())
+            && let Some(arrival) = self.link.uplink(next)
+        {
+            queue(&mut self.upward, arrival, request);
+        }
+        self.max_deviation = self.max_deviation.max(self.deviation());
+    }
+
+    /// The server's part: a step, or a late one that only teaches.
+    fn serve(&mut self, request: &Request) {
+        let horizon = if request.sequence > self.newest_request {
+            self.newest_request = request.sequence;
+            Some(self.controller.step(request).horizon)
+        } else {
+            let newest = self.controller.late(request);
+            newest.map(|newest| Horizon { answers: request.sequence, ..newest })
+        };
+        if let Some(horizon) = horizon
+            && let Some(arrival) = self.link.downlink(self.now)
+        {
+            queue(&mut self.downward, arrival, horizon);
+        }
+    }
+
+    fn deviation(&self) -> f64 {
+        self.controller
+            .leg()
+            .map_or(0.0, |(from, to)| self.plant.pose().point().distance_to_segment(from, to))
+    }
+
+    fn row(&self) -> TraceRow {
+        let progress = self.controller.progress();
+        TraceRow {
+            time: self.now,
+            pose: self.plant.pose(),
+            applied: self.applied,
+            stage: progress.stage,
+            leg: progress.leg,
+            deviation: self.deviation(),
+        }
+    }
+}
+
+/// Takes out the first of what has arrived by `now`.
+fn due<T>(queue: &mut VecDeque<(f64, T)>, now: f64) -> Option<(f64, T)> {
+    queue.front().is_some_and(|(arrival, _)| *arrival <= now).then(|| queue.pop_front()).flatten()
+}
+
+/// Puts in what will arrive, behind all that arrives no later.
+fn queue<T>(queue: &mut VecDeque<(f64, T)>, arrival: f64, what: T) {
+    let place = queue.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
+    queue.insert(place, (arrival, what));
+}

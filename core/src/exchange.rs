@@ -1,0 +1,295 @@
+//! The robot's side of the exchange: which request to send when, over which connection, and what to report.
+//!
+//! One request per slot without waiting for the last reply, at most four in flight on a connection, a fresh
+//! connection when one stalls. Used by the agent and by the simulation; it holds no clock and no socket.
+
+use crate::actuation::Playing;
+use crate::geometry::Pose;
+use crate::horizon::SLOT;
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+/// Most observations of one request; older ones are dropped first.
+pub const MAX_OBSERVATIONS: usize = 32;
+
+/// Most reported deliveries of one request; more than arrive in one slot after a stall.
+pub const MAX_DELIVERIES: usize = 16;
+
+/// Most requests in flight on one connection: they cover the nominal loop of 100 ms at one per slot.
+pub const MAX_IN_FLIGHT: usize = 4;
+
+/// Most connections that may carry requests at a time.
+pub const MAX_CONNECTIONS: usize = 3;
+
+/// A connection whose oldest request waits longer than this many s has stalled.
+pub const STALL: f64 = 0.25;
+
+/// Longest time in s between fresh connections while none answers.
+pub const MAX_BACKOFF: f64 = 1.0;
+
+/// A pose and the robot time at which it was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Observation {
+    /// The observed pose.
+    pub pose: Pose,
+    /// Robot time in s at which it was taken, not when it became known.
+    pub taken: f64,
+}
+
+/// Noise of an observed pose, normal and independent per axis and observation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseNoise {
+    /// Standard deviation of x and of y in m.
+    pub position: f64,
+    /// Standard deviation of the heading in rad.
+    pub heading: f64,
+}
+
+impl PoseNoise {
+    /// A perfect camera.
+    pub const NONE: Self = Self { position: 0.0, heading: 0.0 };
+    /// A camera or motion capture: 0.5 mm and 3 mrad (field facts: 0.5-0.7 mm and 2.6-3 mrad per pose).
+    pub const CAMERA: Self = Self { position: 0.0005, heading: 0.003 };
+}
+
+/// The measured loop delay of one reply.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Delivery {
+    /// Sequence of the request that was answered.
+    pub sequence: u64,
+    /// Time in s from the newest pose of that request being taken to its reply arriving.
+    pub loop_delay: f64,
+}
+
+/// One request of the robot: what a step carries.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Number of this request, strictly increasing within an epoch.
+    pub sequence: u64,
+    /// Number of the connection to send it over; a number not seen before asks for a fresh one.
+    pub connection: u64,
+    /// Robot time in s of sending.
+    pub sent: f64,
+    /// Poses since the last request, oldest first.
+    pub observations: ArrayVec<Observation, MAX_OBSERVATIONS>,
+    /// Replies that arrived since the last request.
+    pub deliveries: ArrayVec<Delivery, MAX_DELIVERIES>,
+    /// What the robot plays now.
+    pub playing: Option<Playing>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct InFlight {
+    sequence: u64,
+    connection: u64,
+    sent: f64,
+    /// When the newest pose of the request was taken; none where it carried no new one.
+    taken: Option<f64>,
+}
+
+/// The robot's side of the exchange.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Exchange {
+    next_sequence: u64,
+    connection: u64,
+    connected: f64,
+    backoff: f64,
+    last_sent: f64,
+    newest_taken: f64,
+    observations: ArrayVec<Observation, MAX_OBSERVATIONS>,
+    deliveries: ArrayVec<Delivery, MAX_DELIVERIES>,
+    in_flight: ArrayVec<InFlight, { MAX_IN_FLIGHT * MAX_CONNECTIONS }>,
+}
+
+impl Exchange {
+    /// An exchange that begins at robot time `now`.
+    pub fn new(now: f64) -> Self {
+        Self {
+            next_sequence: 1,
+            connection: 0,
+            connected: now,
+            backoff: STALL,
+            last_sent: f64::NEG_INFINITY,
+            newest_taken: f64::NEG_INFINITY,
+            observations: ArrayVec::new(),
+            deliveries: ArrayVec::new(),
+            in_flight: ArrayVec::new(),
+        }
+    }
+
+    /// Takes in a pose. One that is not newer than the last is ignored: stamps strictly increase.
+    pub fn observe(&mut self, observation: Observation) -> bool {
+        if observation.taken <= self.newest_taken {
+            return false;
+        }
+        self.newest_taken = observation.taken;
+        if self.observations.is_full() {
+            self.observations.remove(0);
+        }
+        self.observations.push(observation);
+        true
+    }
+
+    /// Robot time in s at which the next request is due, given what is in flight and observed:
+    /// with a new pose as soon as a slot has nearly passed since the last request, without one a little later.
+    pub fn next_request(&self, now: f64) -> f64 {
+        // A camera in step with the slots jitters: a pose that comes a little early need not wait a whole slot.
+        let wait = if self.observations.is_empty() { 1.5 * SLOT } else { 0.6 * SLOT };
+        let due = (self.last_sent + wait).max(now);
+        if self.carried(self.connection) < MAX_IN_FLIGHT {
+            return due;
+        }
+        due.max(self.oldest(self.connection) + STALL).max(self.connected + self.backoff)
+    }
+
+    fn carried(&self, connection: u64) -> usize {
+        self.in_flight.iter().filter(|request| request.connection == connection).count()
+    }
+
+    fn oldest(&self, connection: u64) -> f64 {
+        let on_it = self.in_flight.iter().filter(|request| request.connection == connection);
+        on_it.map(|request| request.sent).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The request to send now, if one is due.
+    pub fn request(&mut self, now: f64, playing: Option<Playing>) -> Option<Request> {
+        if self.next_request(now) > now + 1e-9 {
+            return None;
+        }
+        let stalled =
+            now - self.oldest(self.connection) >= STALL && now - self.connected >= self.backoff;
+        if stalled || self.carried(self.connection) >= MAX_IN_FLIGHT {
+            self.connection += 1;
+            self.connected = now;
+            self.backoff = (2.0 * self.backoff).min(MAX_BACKOFF);
+            let oldest_kept = (self.connection + 1).saturating_sub(MAX_CONNECTIONS as u64);
+            self.in_flight.retain(|request| request.connection >= oldest_kept);
+        }
+        let sequence = self.next_sequence;
+        self.next_sequence += 1;
+        self.last_sent = now;
+        let taken = self.observations.last().map(|observation| observation.taken);
+        self.in_flight.push(InFlight { sequence, connection: self.connection, sent: now, taken });
+        Some(Request {
+            sequence,
+            connection: self.connection,
+            sent: now,
+            observations: std::mem::take(&mut self.observations),
+            deliveries: std::mem::take(&mut self.deliveries),
+            playing,
+        })
+    }
+
+    /// The reply to request `sequence` arrives. Returns its loop delay in s where the request carried a new
+    /// pose and is still waited for.
+    pub fn reply(&mut self, now: f64, sequence: u64) -> Option<f64> {
+        let at = self.in_flight.iter().position(|request| request.sequence == sequence)?;
+        let request = self.in_flight.remove(at);
+        if request.connection == self.connection {
+            self.backoff = STALL;
+        }
+        let loop_delay = now - request.taken?;
+        if self.deliveries.is_full() {
+            self.deliveries.remove(0);
+        }
+        self.deliveries.push(Delivery { sequence, loop_delay });
+        Some(loop_delay)
+    }
+
+    /// Request `sequence` failed or was refused: it is no longer waited for.
+    pub fn fail(&mut self, sequence: u64) {
+        self.in_flight.retain(|request| request.sequence != sequence);
+    }
+
+    /// The number of the oldest connection that still counts; older ones may be closed.
+    pub fn oldest_connection(&self) -> u64 {
+        (self.connection + 1).saturating_sub(MAX_CONNECTIONS as u64)
+    }
+
+    /// Requests that are waited for.
+    pub fn in_flight(&self) -> usize {
+        self.in_flight.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn observed(taken: f64) -> Observation {
+        Observation { pose: Pose::default(), taken }
+    }
+
+    /// Offers a pose every slot over `seconds` s and answers as `reply` says; the send times and connections.
+    fn run(seconds: f64, reply: impl Fn(f64) -> Option<f64>) -> Vec<(f64, u64)> {
+        let mut exchange = Exchange::new(0.0);
+        let (mut sends, mut replies) = (Vec::new(), Vec::<(f64, u64)>::new());
+        for slot in 0..(seconds / SLOT) as usize {
+            let now = slot as f64 * SLOT;
+            for &(_, sequence) in replies.iter().filter(|(at, _)| *at <= now) {
+                exchange.reply(now, sequence);
+            }
+            replies.retain(|(at, _)| *at > now);
+            exchange.observe(observed(now - 0.13));
+            if let Some(request) = exchange.request(now, None) {
+                sends.push((now, request.connection));
+                if let Some(delay) = reply(now) {
+                    replies.push((now + delay, request.sequence));
+                }
+            }
+        }
+        sends
+    }
+
+    #[test]
+    fn on_a_good_link_one_request_goes_out_per_slot() {
+        let sends = run(3.0, |_| Some(0.05));
+        assert_eq!(sends.len(), 100);
+        assert!(sends.iter().all(|&(_, connection)| connection == 0));
+    }
+
+    #[test]
+    fn a_stall_opens_a_fresh_connection_and_never_floods() {
+        let sends = run(13.0, |now| if (1.0..11.0).contains(&now) { None } else { Some(0.05) });
+        let stalled: Vec<_> = sends.iter().filter(|(now, _)| (1.0..11.0).contains(now)).collect();
+        assert!(stalled.len() >= 8, "it keeps trying: {}", stalled.len());
+        assert!(stalled.len() <= 60, "with backoff: {}", stalled.len());
+        assert!(sends.last().is_some_and(|&(now, connection)| now > 12.9 && connection > 1));
+    }
+
+    #[test]
+    fn no_pose_is_sent_twice_and_none_is_lost_in_a_short_stall() {
+        let mut exchange = Exchange::new(0.0);
+        let mut taken = Vec::new();
+        for slot in 0..40 {
+            let now = f64::from(slot) * SLOT;
+            exchange.observe(observed(now));
+            if let Some(request) = exchange.request(now, None) {
+                taken.extend(request.observations.iter().map(|o| o.taken));
+            }
+        }
+        assert!(taken.windows(2).all(|pair| pair[1] > pair[0]));
+        assert!(taken.len() >= 20);
+    }
+
+    #[test]
+    fn stamps_strictly_increase() {
+        let mut exchange = Exchange::new(0.0);
+        assert!(exchange.observe(observed(1.0)));
+        assert!(!exchange.observe(observed(1.0)));
+        assert!(!exchange.observe(observed(0.5)));
+    }
+
+    #[test]
+    fn the_loop_delay_counts_from_the_pose_and_a_repeat_counts_once() {
+        let mut exchange = Exchange::new(0.0);
+        exchange.observe(observed(1.0));
+        let request = exchange.request(1.13, None).expect("due");
+        let delay = exchange.reply(1.2, request.sequence).expect("waited for");
+        assert!((delay - 0.2).abs() < 1e-12);
+        assert_eq!(exchange.reply(1.3, request.sequence), None);
+        exchange.observe(observed(1.1));
+        let next = exchange.request(1.3, None).expect("due");
+        assert_eq!(next.deliveries.as_slice(), [Delivery { sequence: 1, loop_delay: delay }]);
+    }
+}

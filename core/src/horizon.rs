@@ -1,0 +1,182 @@
+//! The horizon: the timed wheel speeds of one reply, in the robot's own clock.
+
+use crate::geometry::{Twist, WheelSpeeds};
+use crate::kinematics::{self, Drive};
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+/// Length of one control cycle in s (thesis table 1).
+pub const SLOT: f64 = 0.030;
+
+/// Most slots of one horizon: 2 s of 30 ms, beyond which no prediction is worth playing.
+pub const MAX_SLOTS: usize = 67;
+
+/// Default time in s for which the robot holds the last entry past the end of its horizon.
+pub const WATCHDOG: f64 = 0.3;
+
+/// Length in s of one step of the ramp to rest.
+pub const RAMP_STEP: f64 = 0.010;
+
+/// Times that differ by less than this many slots are the same slot boundary (rounding of sums of 30 ms).
+const BOUNDARY: f64 = 1e-6;
+
+/// Wheel speeds for consecutive slots from `start` on, in robot time.
+///
+/// Past its end the robot holds the last entry for `watchdog` s (0 holds for ever), then ramps to rest:
+/// the same function of time on the robot, in simulation and in the server's account of what was driven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Horizon {
+    /// Number of this horizon, strictly increasing within an epoch: newest wins.
+    pub sequence: u64,
+    /// Sequence of the request that it answers.
+    pub answers: u64,
+    /// Robot time in s at which the first entry begins.
+    pub start: f64,
+    /// Length of each entry in s.
+    pub slot: f64,
+    /// Time in s for which the last entry is held past the end; 0 holds for ever.
+    pub watchdog: f64,
+    /// Wheel speeds per slot, at least one.
+    pub speeds: ArrayVec<WheelSpeeds, MAX_SLOTS>,
+}
+
+impl Horizon {
+    /// Robot time in s at which the last entry ends.
+    pub fn end(&self) -> f64 {
+        self.start + self.slot * self.speeds.len() as f64
+    }
+
+    /// Robot time in s after which the robot ramps to rest: end + watchdog, never where the watchdog is 0.
+    pub fn valid_until(&self) -> f64 {
+        if self.watchdog > 0.0 { self.end() + self.watchdog } else { f64::INFINITY }
+    }
+
+    /// Wheel speeds at robot time `time`: the entry for it, the last one past the end, the ramp past `valid_until`.
+    /// Before the start: rest, for a horizon that has not begun demands nothing.
+    ///
+    /// ```
+    /// use umwelt_core::{geometry::WheelSpeeds, horizon::Horizon, kinematics::Drive};
+    /// let (one, two) = (WheelSpeeds { left: 1.0, right: 1.0 }, WheelSpeeds { left: 2.0, right: 2.0 });
+    /// let horizon = Horizon { sequence: 1, answers: 1, start: 5.0, slot: 0.03, watchdog: 0.3,
+    ///                         speeds: [one, two].into_iter().collect() };
+    /// let drive = Drive::default();
+    /// assert_eq!(horizon.at(5.01, &drive), one);
+    /// assert_eq!(horizon.at(5.2, &drive), two); // held
+    /// assert_eq!(horizon.at(6.5, &drive), WheelSpeeds::ZERO); // stopped by itself
+    /// ```
+    pub fn at(&self, time: f64, drive: &Drive) -> WheelSpeeds {
+        let Some(&last) = self.speeds.last() else { return WheelSpeeds::ZERO };
+        let slots = (time - self.start) / self.slot + BOUNDARY;
+        if slots < 0.0 {
+            return WheelSpeeds::ZERO;
+        }
+        if let Some(&entry) = self.speeds.get(slots as usize) {
+            return entry;
+        }
+        let past = time - self.valid_until() + BOUNDARY * self.slot;
+        if past < 0.0 {
+            return last;
+        }
+        let ramp = drive.stopping_time(kinematics::forward(drive, last));
+        let gone = ((past / RAMP_STEP).floor() + 1.0) * RAMP_STEP;
+        if gone >= ramp { WheelSpeeds::ZERO } else { last.scaled(1.0 - gone / ramp) }
+    }
+
+    /// The next robot time in s after `time` at which [`Horizon::at`] changes; infinite at rest or held for ever.
+    pub fn next_change(&self, time: f64, drive: &Drive) -> f64 {
+        if time < self.start - BOUNDARY * self.slot {
+            return self.start;
+        }
+        let slots = ((time - self.start) / self.slot + BOUNDARY).floor() + 1.0;
+        if slots < self.speeds.len() as f64 {
+            return self.start + slots * self.slot;
+        }
+        let (valid_until, last) = (self.valid_until(), self.speeds.last().copied());
+        if time < valid_until - BOUNDARY * self.slot {
+            return valid_until;
+        }
+        let twist = last.map_or(Twist::ZERO, |last| kinematics::forward(drive, last));
+        let steps = ((time - valid_until + BOUNDARY * self.slot) / RAMP_STEP).floor() + 1.0;
+        if steps * RAMP_STEP >= drive.stopping_time(twist) + RAMP_STEP {
+            f64::INFINITY
+        } else {
+            valid_until + steps * RAMP_STEP
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn horizon(slots: usize, watchdog: f64) -> Horizon {
+        let drive = Drive::default();
+        let speeds = (0..slots)
+            .map(|i| kinematics::inverse(&drive, Twist::new(0.05 + 0.002 * i as f64, 0.1)))
+            .collect();
+        Horizon { sequence: 3, answers: 7, start: 12.34, slot: SLOT, watchdog, speeds }
+    }
+
+    #[test]
+    fn every_entry_is_played_in_its_own_slot() {
+        let (h, drive) = (horizon(20, 0.3), Drive::default());
+        for i in 0..20 {
+            let begin = h.start + i as f64 * h.slot;
+            assert_eq!(h.at(begin, &drive), h.speeds[i]);
+            assert_eq!(h.at(begin + 0.029, &drive), h.speeds[i]);
+        }
+    }
+
+    #[test]
+    fn a_watchdog_of_zero_holds_for_ever() {
+        let (h, drive) = (horizon(1, 0.0), Drive::default());
+        assert_eq!(h.at(1e6, &drive), h.speeds[0]);
+        assert_eq!(h.next_change(h.end() + 1.0, &drive), f64::INFINITY);
+    }
+
+    proptest! {
+        /// Walking from change to change sees every value that sampling sees, and comes to rest.
+        #[test]
+        fn changes_are_complete_and_end(slots in 1usize..30, offset in 0.0..0.5f64) {
+            let (h, drive) = (horizon(slots, 0.3), Drive::default());
+            let mut time = h.start + offset;
+            let mut steps = 0;
+            loop {
+                let next = h.next_change(time, &drive);
+                let now = h.at(time, &drive);
+                if next.is_infinite() {
+                    prop_assert_eq!(now, WheelSpeeds::ZERO);
+                    break;
+                }
+                prop_assert!(next > time);
+                for share in [0.1, 0.5, 0.9] {
+                    prop_assert_eq!(h.at(time + share * (next - time), &drive), now);
+                }
+                time = next;
+                steps += 1;
+                prop_assert!(steps < 200);
+            }
+            let stop = drive.stopping_time(kinematics::forward(&drive, h.speeds[slots - 1]));
+            prop_assert!(time <= h.valid_until().max(h.start + offset) + stop + 2.0 * RAMP_STEP);
+        }
+
+        /// The ramp never asks for more than the acceleration limit.
+        #[test]
+        fn the_ramp_keeps_the_acceleration_limit(v in -0.13..0.13f64, w in -1.2..1.2f64) {
+            let drive = Drive::default();
+            let mut h = horizon(1, 0.3);
+            h.speeds[0] = kinematics::inverse(&drive, drive.limited(Twist::new(v, w)));
+            let mut before = kinematics::forward(&drive, h.speeds[0]);
+            let mut time = h.valid_until();
+            while time < h.valid_until() + 1.0 {
+                let after = kinematics::forward(&drive, h.at(time, &drive));
+                prop_assert!((after.linear - before.linear).abs() <= drive.max_linear_acceleration * RAMP_STEP + 1e-9);
+                prop_assert!((after.angular - before.angular).abs() <= drive.max_angular_acceleration * RAMP_STEP + 1e-9);
+                before = after;
+                time += RAMP_STEP;
+            }
+            prop_assert_eq!(before, Twist::ZERO);
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! What is believed of the link: loop delay (normal on its logarithm) and late packets (beta-Bernoulli).
+
+use super::estimate::{LEVEL, LinkEstimate};
+use crate::conjugate::{BetaBernoulli, NormalInverseChiSquared};
+use crate::exchange::{Delivery, Observation};
+use crate::horizon::SLOT;
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+/// A delivery is late when its loop delay is above the median by more than this many slots.
+const LATE_SLOTS: f64 = 3.0;
+
+/// Deliveries at the same instant as a late one, to this many s, were held back behind it.
+const SAME_INSTANT: f64 = 0.010;
+
+/// Late probability of the link that `chance_of_luck` speaks of: the thesis's bad one.
+const BAD_LATE: f64 = 0.05;
+
+/// Loop delays are physical above this many s; a shorter one counts as this.
+const SHORTEST: f64 = 1e-3;
+
+/// Requests remembered to know when their pose was taken.
+const REQUESTS: usize = 32;
+
+/// What is believed of one robot's link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinkBelief {
+    /// ln of the loop delay in s, of packets neither late nor held back.
+    ln_delay: NormalInverseChiSquared,
+    late: BetaBernoulli,
+    deliveries: u64,
+    late_deliveries: u64,
+    /// (sequence, time at which its newest pose was taken).
+    requests: ArrayVec<(u64, f64), REQUESTS>,
+    /// When the last late delivery arrived, in robot time.
+    late_arrival: f64,
+}
+
+impl Default for LinkBelief {
+    fn default() -> Self {
+        Self {
+            // A loop of 0.2 s, give or take a factor of 1.5, worth one tenth of a delivery.
+            ln_delay: NormalInverseChiSquared::new(0.2_f64.ln(), 0.1, 3.0, 3.0 * 0.16)
+                .expect("constants in their domain"),
+            // One late packet in twenty, worth two packets.
+            late: BetaBernoulli::new(0.1, 1.9).expect("constants in their domain"),
+            deliveries: 0,
+            late_deliveries: 0,
+            requests: ArrayVec::new(),
+            late_arrival: f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl LinkBelief {
+    /// Remembers when the newest pose of a request was taken.
+    pub fn request(&mut self, sequence: u64, newest: Option<&Observation>) {
+        let Some(newest) = newest else { return };
+        if self.requests.is_full() {
+            self.requests.remove(0);
+        }
+        self.requests.push((sequence, newest.taken));
+    }
+
+    /// Takes in a reported delivery.
+    ///
+    /// Late packets are above the median by more than three slots; those that arrive in the same instant behind
+    /// a late one were only held back: they count neither as late nor as prompt.
+    pub fn update(&mut self, delivery: &Delivery) {
+        let delay = delivery.loop_delay.max(SHORTEST);
+        self.deliveries += 1;
+        let asked = self.requests.iter().find(|(sequence, _)| *sequence == delivery.sequence);
+        let arrival = asked.map(|(_, taken)| taken + delivery.loop_delay);
+        let held_back = arrival.is_some_and(|at| (at - self.late_arrival).abs() < SAME_INSTANT);
+        if held_back {
+            return;
+        }
+        let is_late = delay > self.median() + LATE_SLOTS * SLOT;
+        self.late = self.late.update(is_late);
+        if is_late {
+            self.late_deliveries += 1;
+            self.late_arrival = arrival.unwrap_or(f64::NEG_INFINITY);
+        } else {
+            self.ln_delay = self.ln_delay.update(delay.ln());
+        }
+    }
+
+    /// Forgets times of the robot's clock, keeps what they taught.
+    pub fn restart_clock(&mut self) {
+        self.requests.clear();
+        self.late_arrival = f64::NEG_INFINITY;
+    }
+
+    fn median(&self) -> f64 {
+        self.ln_delay.mu().exp()
+    }
+
+    /// As it is shown.
+    pub fn estimate(&self) -> LinkEstimate {
+        let seen = self.deliveries > 0;
+        LinkEstimate {
+            samples: self.deliveries,
+            median: seen.then(|| self.median()),
+            p99: seen.then(|| self.ln_delay.predictive_interval(0.98).1.exp()),
+            late: self.late_deliveries,
+            late_probability: self.late.predictive(),
+            late_interval: self.late.interval(LEVEL),
+            chance_of_luck: (self.deliveries as f64 * (1.0 - BAD_LATE).ln()).exp(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    /// One pose per slot, answered after `delay(i)`; in order, so nothing overtakes.
+    fn learn(count: u64, delay: impl Fn(u64) -> f64) -> LinkEstimate {
+        let mut belief = LinkBelief::default();
+        let mut last_arrival = f64::NEG_INFINITY;
+        for i in 0..count {
+            let taken = i as f64 * SLOT;
+            belief.request(i, Some(&Observation { pose: Pose::default(), taken }));
+            let arrival = (taken + delay(i)).max(last_arrival);
+            last_arrival = arrival;
+            belief.update(&Delivery { sequence: i, loop_delay: arrival - taken });
+        }
+        belief.estimate()
+    }
+
+    #[test]
+    fn a_steady_link_shows_its_median_and_nothing_late() {
+        let estimate = learn(200, |_| 0.17);
+        assert!((estimate.median.expect("seen") - 0.17).abs() < 1e-3);
+        assert_eq!(estimate.late, 0);
+        assert!((estimate.chance_of_luck - 0.95_f64.powi(200)).abs() < 1e-12);
+    }
+
+    /// The bug to fear: one packet of 400 ms holds back a dozen; counted as late each, 5 % would read as 50 %.
+    #[test]
+    fn packets_held_back_behind_a_late_one_are_not_counted_again() {
+        let estimate = learn(2000, |i| if i % 20 == 10 { 0.57 } else { 0.17 });
+        assert_eq!(estimate.late, 100);
+        assert!((estimate.median.expect("seen") - 0.17).abs() < 0.01);
+        // 13 of each 20 are held back: 100 late of 700 that say something.
+        assert!(estimate.late_probability < 0.2);
+    }
+}

@@ -1,0 +1,153 @@
+//! From the posterior and the commands in flight to the pose at a later time, with its covariance.
+//!
+//! [`Moments`] carries mean and covariance in closed form; [`Agents`] is the thesis's Monte Carlo, an option
+//! and the oracle that tests the moments. Both take the motion piece by piece.
+
+mod moments;
+mod monte_carlo;
+
+pub use moments::Moments;
+pub use monte_carlo::Agents;
+
+use crate::conjugate::NormalInverseChiSquared;
+use crate::controller::settings::PoseNoise;
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+
+/// Time in s over which a ratio's variance is stated (error acquisition cycle, thesis table 1).
+pub const ERROR_WINDOW: f64 = 0.1;
+
+/// Ratio variance that stands for one that does not exist (r <= 2): any motion at all is too unsure.
+pub const UNSURE: f64 = 1e6;
+
+/// What is assumed of one channel's error ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChannelModel {
+    /// Expected ratio.
+    pub mean: f64,
+    /// Variance of the ratio over 100 ms at constant speed, for a known mean.
+    pub variance: f64,
+    /// Variance of the mean itself, shared by the whole prediction.
+    pub mean_variance: f64,
+    /// The posterior that the moments come from; none for a model with known mean and variance.
+    pub posterior: Option<NormalInverseChiSquared>,
+}
+
+impl ChannelModel {
+    /// No error at all.
+    pub const PERFECT: Self = Self::known(0.0, 0.0);
+
+    /// A known mean and variance.
+    pub const fn known(mean: f64, variance: f64) -> Self {
+        Self { mean, variance, mean_variance: 0.0, posterior: None }
+    }
+
+    /// The moments of a posterior: E[sigma^2] = s/(r - 2) and E[sigma^2]/k; [`UNSURE`] where r <= 2.
+    pub fn believed(posterior: NormalInverseChiSquared) -> Self {
+        let variance = posterior.expected_variance().unwrap_or(UNSURE).min(UNSURE);
+        Self {
+            mean: posterior.mu(),
+            variance,
+            mean_variance: variance / posterior.k(),
+            posterior: Some(posterior),
+        }
+    }
+}
+
+/// What is assumed of a robot's motion: one model per channel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorModel {
+    /// Forward error per metre.
+    pub forward: ChannelModel,
+    /// Lateral error per metre.
+    pub lateral: ChannelModel,
+    /// Heading error per radian.
+    pub turn: ChannelModel,
+    /// Heading error in rad per metre.
+    pub drift: ChannelModel,
+}
+
+impl ErrorModel {
+    /// A robot that moves as commanded.
+    pub const PERFECT: Self = Self {
+        forward: ChannelModel::PERFECT,
+        lateral: ChannelModel::PERFECT,
+        turn: ChannelModel::PERFECT,
+        drift: ChannelModel::PERFECT,
+    };
+}
+
+/// A commanded motion over some time: arc length in m, turn in rad, duration in s (positive).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Signed arc length in m.
+    pub length: f64,
+    /// Turn in rad.
+    pub turn: f64,
+    /// Duration in s.
+    pub duration: f64,
+}
+
+/// Variances of a predicted pose that the variance rule looks at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Variance of the position in m^2 in its worst direction: the larger eigenvalue.
+    pub position: f64,
+    /// Variance of the heading in rad^2.
+    pub heading: f64,
+}
+
+impl Spread {
+    /// From the entries of a covariance: of x, of y, between them, of the heading.
+    fn new(xx: f64, yy: f64, xy: f64, heading: f64) -> Self {
+        let position = f64::midpoint(xx, yy) + ((xx - yy) / 2.0).hypot(xy);
+        Self { position, heading }
+    }
+}
+
+/// A prediction under way, by either predictor.
+#[derive(Clone, Debug)]
+pub enum Prediction {
+    /// Closed form.
+    Moments(Moments),
+    /// Monte Carlo.
+    MonteCarlo(Agents),
+}
+
+impl Prediction {
+    /// Starts at an observed pose, by moments.
+    pub fn moments(pose: Pose, noise: PoseNoise) -> Self {
+        Self::Moments(Moments::new(pose, noise))
+    }
+
+    /// Goes on by one commanded motion.
+    pub fn advance(&mut self, model: &ErrorModel, motion: Motion) {
+        match self {
+            Self::Moments(moments) => moments.advance(model, motion),
+            Self::MonteCarlo(agents) => agents.advance(motion),
+        }
+    }
+
+    /// The expected pose.
+    pub fn mean(&self) -> Pose {
+        match self {
+            Self::Moments(moments) => moments.mean(),
+            Self::MonteCarlo(agents) => agents.mean(),
+        }
+    }
+
+    /// How unsure the pose is.
+    pub fn spread(&self) -> Spread {
+        match self {
+            Self::Moments(moments) => moments.spread(),
+            Self::MonteCarlo(agents) => agents.spread(),
+        }
+    }
+
+    /// How unsure the pose would be after `motion`; the prediction itself stays where it is.
+    pub fn spread_after(&self, model: &ErrorModel, motion: Motion) -> Spread {
+        let mut next = self.clone();
+        next.advance(model, motion);
+        next.spread()
+    }
+}
