@@ -362,24 +362,33 @@ impl Controller {
         track: &Track,
         events: &mut ArrayVec<Event, 8>,
     ) {
+        let slot = self.settings.slot;
+        let mut passed = |phase: Phase, time: f64| {
+            let Some(leg) = phase.leg() else { return };
+            if self.record.began.is_none() {
+                self.record.began = Some(time - self.record.elapsed);
+                if self.record.origin.is_none() {
+                    self.record.origin = Some(track.last.pose.point());
+                    let _ = events.try_push(Event::CalibrationEnded);
+                }
+            }
+            if leg > self.record.reached && self.record.left.is_none() {
+                self.record.left = Some(time);
+            }
+        };
         if let Some(plan) = &self.plan {
-            let slots = ((start - old_start) / self.settings.slot + 1e-6).floor().max(0.0) as usize;
+            // After a stall several slots have passed, and with them perhaps several phases.
+            let slots = ((start - old_start) / slot + 1e-6).floor().max(0.0) as usize;
             let last = plan.phases.len() - 1;
-            let before = self.phase;
+            for (index, phase) in plan.phases.iter().enumerate().take(slots + 1) {
+                passed(*phase, old_start + index as f64 * slot);
+            }
             self.phase = plan.phases[slots.min(last)];
-            if start - old_start > self.settings.slot * last as f64 + PAUSE {
+            if start - old_start > slot * last as f64 + PAUSE {
                 self.phase = self.phase.resumed();
             }
-            if before.leg() != self.phase.leg() && before.leg() == Some(self.record.reached) {
-                self.record.left = Some(start);
-            }
-        }
-        if self.record.began.is_none() && self.phase.leg().is_some() {
-            self.record.began = Some(start - self.record.elapsed);
-            if self.record.origin.is_none() {
-                self.record.origin = Some(track.last.pose.point());
-                let _ = events.try_push(Event::CalibrationEnded);
-            }
+        } else {
+            passed(self.phase, start);
         }
     }
 
