@@ -8,7 +8,7 @@ use crate::controller::Controller;
 use crate::controller::settings::Settings;
 use crate::controller::task::{Stage, Task};
 use crate::exchange::{Exchange, Observation, Request};
-use crate::geometry::{Pose, WheelSpeeds};
+use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Environment;
 use crate::link::{Link, LinkError, LinkModel};
@@ -73,7 +73,7 @@ pub struct TraceRow {
     pub stage: Stage,
     /// Waypoint that the robot is heading for.
     pub leg: usize,
-    /// Distance in m of the true position from the current leg; 0 where there is none.
+    /// Distance in m from its leg of the newest true position that the controller has seen; 0 before the first.
     pub deviation: f64,
 }
 
@@ -137,6 +137,9 @@ struct World {
     upward: VecDeque<(f64, Request)>,
     downward: VecDeque<(f64, Horizon)>,
     newest_request: u64,
+    /// True positions that the controller has not seen yet: which leg they belong to is not known before.
+    travelled: VecDeque<(f64, Point)>,
+    deviation: f64,
     max_deviation: f64,
 }
 
@@ -157,6 +160,8 @@ impl World {
             upward: VecDeque::new(),
             downward: VecDeque::new(),
             newest_request: 0,
+            travelled: VecDeque::new(),
+            deviation: 0.0,
             max_deviation: 0.0,
         })
     }
@@ -195,14 +200,17 @@ impl World {
         {
             queue(&mut self.upward, arrival, request);
         }
-        self.max_deviation = self.max_deviation.max(self.deviation());
+        self.travelled.push_back((next, self.plant.pose().point()));
     }
 
     /// The server's part: a step, or a late one that only teaches.
     fn serve(&mut self, request: &Request) {
         let horizon = if request.sequence > self.newest_request {
             self.newest_request = request.sequence;
-            Some(self.controller.step(request).horizon)
+            let leg = self.controller.leg();
+            let horizon = self.controller.step(request).horizon;
+            self.measure(leg);
+            Some(horizon)
         } else {
             let newest = self.controller.late(request);
             newest.map(|newest| Horizon { answers: request.sequence, ..newest })
@@ -214,10 +222,20 @@ impl World {
         }
     }
 
-    fn deviation(&self) -> f64 {
-        self.controller
-            .leg()
-            .map_or(0.0, |(from, to)| self.plant.pose().point().distance_to_segment(from, to))
+    /// Measures the deviation of the positions that the controller has now seen, from the leg that they belong to.
+    /// In a step that reaches a waypoint, positions on either side of it belong to the nearer of the two legs.
+    fn measure(&mut self, before: Option<(Point, Point)>) {
+        let after = self.controller.leg();
+        let seen = self.controller.pose().map_or(f64::NEG_INFINITY, |pose| pose.taken);
+        while let Some((_, point)) = due(&mut self.travelled, seen) {
+            let legs = before.into_iter().chain(after);
+            let distance = legs.map(|(from, to)| point.distance_to_segment(from, to));
+            // Before the task begins and after it ends there is no leg.
+            if before.is_some() {
+                self.deviation = distance.fold(f64::INFINITY, f64::min);
+                self.max_deviation = self.max_deviation.max(self.deviation);
+            }
+        }
     }
 
     fn row(&self) -> TraceRow {
@@ -228,7 +246,7 @@ impl World {
             applied: self.applied,
             stage: progress.stage,
             leg: progress.leg,
-            deviation: self.deviation(),
+            deviation: self.deviation,
         }
     }
 }

@@ -1,1 +1,34 @@
-//! placeholder
+//! The contract of Umwelt: what goes over the wire, how it is checked, and how it becomes [`umwelt_core`].
+//!
+//! JSON over HTTP, snake_case with unit suffixes, described by [`document`] (OpenAPI 3.1, checked in as
+//! `openapi/openapi.json`). Each wire type stands in the module of its subject under the subject's noun:
+//! [`step::Request`], [`robot::Spec`].
+//!
+//! * Outside data comes in through `read` (JSON bytes -> checked wire type) and `to_core` (wire type -> core).
+//!   Both report every problem at once as [`Problems`]; there is no other way in.
+//! * What core computes goes out through `From`. A number that does not exist (NaN, infinite) is `null` where the
+//!   type says `Option`, and an error of serialisation elsewhere: it never leaves silently.
+//! * A reader of responses ignores fields it does not know: the contract only grows.
+//!
+//! Architecture invariant: this crate depends on core only; no HTTP, no clock, no I/O.
+
+mod body;
+mod check;
+mod document;
+pub mod environment;
+pub mod event;
+pub mod health;
+mod id;
+mod number;
+pub mod problem;
+pub mod robot;
+#[cfg(test)]
+mod round_trip;
+pub mod step;
+pub mod stop;
+pub mod task;
+
+pub use check::Range;
+pub use document::document;
+pub use id::{InvalidId, RobotId};
+pub use problem::{ErrorBody, Problem, Problems, Status};

@@ -97,6 +97,8 @@ struct Doubt {
 struct Record {
     /// Waypoints at which the robot was seen at rest.
     reached: usize,
+    /// Whether the robot was last seen at rest at the first waypoint before the task began.
+    begins_there: bool,
     /// Where the task began, once it did.
     origin: Option<Point>,
     /// Robot time in s since when the task counts.
@@ -274,19 +276,25 @@ impl Controller {
 
     /// Follows the task as observed: deviation, waypoints reached, waypoints left without having been reached.
     fn follow_task(&mut self, observation: &Observation, events: &mut ArrayVec<Event, 8>) {
-        let (Some(task), Some(began), Some((from, target))) =
-            (&self.task, self.record.began, self.leg())
+        let here = observation.pose.point();
+        let Some(task) = &self.task else { return };
+        let Some((from, target)) = self.leg().or_else(|| Some((here, *task.waypoints.first()?)))
         else {
+            return;
+        };
+        let is_there =
+            here.distance(target) <= task.tolerance && self.was_at_rest(observation.taken);
+        let Some(began) = self.record.began else {
+            self.record.begins_there = is_there;
             return;
         };
         if observation.taken < began {
             return;
         }
-        let here = observation.pose.point();
         self.record.deviation = here.distance_to_segment(from, target);
         self.record.max_deviation = self.record.max_deviation.max(self.record.deviation);
         self.record.elapsed = observation.taken - began;
-        if here.distance(target) <= task.tolerance && self.was_at_rest(observation.taken) {
+        if is_there {
             let leg = self.record.reached;
             let is_last = leg + 1 == task.waypoints.len();
             self.record.reached += 1;
@@ -363,6 +371,7 @@ impl Controller {
         events: &mut ArrayVec<Event, 8>,
     ) {
         let slot = self.settings.slot;
+        let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
         let mut passed = |phase: Phase, time: f64| {
             let Some(leg) = phase.leg() else { return };
             if self.record.began.is_none() {
@@ -370,6 +379,10 @@ impl Controller {
                 if self.record.origin.is_none() {
                     self.record.origin = Some(track.last.pose.point());
                     let _ = events.try_push(Event::CalibrationEnded);
+                    if self.record.begins_there && legs > 1 {
+                        self.record.reached = 1;
+                        let _ = events.try_push(Event::WaypointReached { leg: 0 });
+                    }
                 }
             }
             if leg > self.record.reached && self.record.left.is_none() {

@@ -14,8 +14,11 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Slots at rest before a waypoint counts as reached.
 pub const REST_SLOTS: u32 = 3;
 
-/// A turn smaller than this many rad is not worth making at the start of a leg: the curve takes it.
+/// A turn smaller than this many rad is never worth making at the start of a leg: the curve takes it.
 const WORTH_TURNING: f64 = 0.02;
+
+/// A parabola that starts with a heading error strays from its chord by this part of error x distance.
+const STRAY: f64 = 0.25;
 
 /// Parts of the speed by which the variance rule slows a command down (delta alpha of the thesis, section 4.1.4).
 const SLOWER: u32 = 10;
@@ -292,7 +295,11 @@ impl Roll<'_> {
         }
         let error = heading_error(ahead, aside, task.reverse);
         if side == 0 {
-            if error.abs() <= WORTH_TURNING {
+            // The curve may stray by the stop radius; more is worth a turn in place.
+            let law = &self.settings.steering;
+            let worth = law.stop_radius / (STRAY * ahead.hypot(aside));
+            let worth = worth.clamp(WORTH_TURNING, law.turn_tolerance.max(WORTH_TURNING));
+            if error.abs() <= worth {
                 self.state.phase = Phase::Driving { leg };
                 return None;
             }

@@ -1,0 +1,173 @@
+//! Collects every problem of a body with its field path; the same walk tells the contract its limits.
+
+use crate::problem::{Detail, Problems, reason};
+use serde_json::Value;
+use std::fmt::Write;
+use std::ops::RangeInclusive;
+
+/// The numbers that a field may hold, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The smallest number.
+    pub min: f64,
+    /// The largest number.
+    pub max: f64,
+    /// The unit, empty for a pure number.
+    pub unit: &'static str,
+}
+
+impl Range {
+    /// The numbers from `min` to `max` in `unit`.
+    pub const fn new(min: f64, max: f64, unit: &'static str) -> Self {
+        Self { min, max, unit }
+    }
+
+    /// Whether `value` is one of them; NaN is none.
+    pub fn contains(&self, value: f64) -> bool {
+        self.min <= value && value <= self.max
+    }
+}
+
+/// Outside data that can say everything that is wrong with it.
+pub(crate) trait Checked {
+    /// Reports each problem to `check`. Which limits are asked must not depend on the values.
+    fn check(&self, check: &mut Check);
+}
+
+/// A limit that a check has asked for, with its field path; items of a list as `waypoints[0].x_m`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Limit {
+    Number(Range),
+    Integer(RangeInclusive<u64>),
+    Length(RangeInclusive<usize>),
+}
+
+/// Collects problems on a walk over a body.
+#[derive(Default)]
+pub(crate) struct Check {
+    path: String,
+    problems: Problems,
+    limits: Option<Vec<(String, Limit)>>,
+}
+
+impl Check {
+    /// Every problem of `value`.
+    pub(crate) fn all(value: &impl Checked) -> Result<(), Problems> {
+        let mut check = Self::default();
+        value.check(&mut check);
+        check.finish()
+    }
+
+    /// The limits that hold for `value` and bodies like it.
+    pub(crate) fn limits(value: &impl Checked) -> Vec<(String, Limit)> {
+        let mut check = Self { limits: Some(Vec::new()), ..Self::default() };
+        value.check(&mut check);
+        check.limits.unwrap_or_default()
+    }
+
+    /// The problems found, if any.
+    pub(crate) fn finish(self) -> Result<(), Problems> {
+        if self.problems.is_empty() { Ok(()) } else { Err(self.problems) }
+    }
+
+    /// Checks what lies in field `name`.
+    pub(crate) fn field(&mut self, name: &str, walk: impl FnOnce(&mut Self)) {
+        let end = self.path.len();
+        self.enter(name);
+        walk(self);
+        self.path.truncate(end);
+    }
+
+    /// Checks what lies at `index` of list `name`.
+    pub(crate) fn item(&mut self, name: &str, index: usize, walk: impl FnOnce(&mut Self)) {
+        let end = self.path.len();
+        self.enter(name);
+        // Writing to a String cannot fail.
+        let _ = write!(self.path, "[{index}]");
+        walk(self);
+        self.path.truncate(end);
+    }
+
+    /// Checks each item of list `name`.
+    pub(crate) fn items<T: Checked>(&mut self, name: &str, items: &[T]) {
+        for (index, item) in items.iter().enumerate() {
+            self.item(name, index, |check| item.check(check));
+        }
+    }
+
+    /// Field `name` must be finite and within `range`.
+    pub(crate) fn number(&mut self, name: &str, value: f64, range: Range) {
+        self.limit(name, || Limit::Number(range));
+        if range.contains(value) {
+            return;
+        }
+        let reason = if value.is_finite() { reason::OUT_OF_RANGE } else { reason::NOT_FINITE };
+        let space = if range.unit.is_empty() { "" } else { " " };
+        let remedy =
+            format!("use a number from {} to {}{space}{}", range.min, range.max, range.unit);
+        self.report(reason, name, value, remedy);
+    }
+
+    /// Field `name` must lie within `range`.
+    pub(crate) fn integer(&mut self, name: &str, value: u64, range: RangeInclusive<u64>) {
+        self.limit(name, || Limit::Integer(range.clone()));
+        if !range.contains(&value) {
+            let remedy = format!("use an integer from {} to {}", range.start(), range.end());
+            self.report(reason::OUT_OF_RANGE, name, value, remedy);
+        }
+    }
+
+    /// The list or text in field `name` must have a length within `range`.
+    pub(crate) fn length(&mut self, name: &str, length: usize, range: RangeInclusive<usize>) {
+        self.limit(name, || Limit::Length(range.clone()));
+        if !range.contains(&length) {
+            let remedy = format!("use {} to {} of them, not {length}", range.start(), range.end());
+            self.report(reason::WRONG_LENGTH, name, length, remedy);
+        }
+    }
+
+    /// What field `name` holds must agree with the other fields.
+    pub(crate) fn agrees(
+        &mut self,
+        name: &str,
+        holds: bool,
+        value: impl Into<Value>,
+        remedy: &str,
+    ) {
+        if !holds {
+            self.report(reason::INCONSISTENT, name, value, remedy);
+        }
+    }
+
+    /// Reports a problem of field `name`; of the whole where the name is empty.
+    pub(crate) fn report(
+        &mut self,
+        reason: &str,
+        name: &str,
+        value: impl Into<Value>,
+        remedy: impl Into<String>,
+    ) {
+        let end = self.path.len();
+        self.enter(name);
+        self.problems.add(Detail::new(reason, &self.path, value, remedy));
+        self.path.truncate(end);
+    }
+
+    fn limit(&mut self, name: &str, limit: impl FnOnce() -> Limit) {
+        if self.limits.is_none() {
+            return;
+        }
+        let end = self.path.len();
+        self.enter(name);
+        let path = self.path.clone();
+        self.path.truncate(end);
+        self.limits.get_or_insert_default().push((path, limit()));
+    }
+
+    fn enter(&mut self, name: &str) {
+        if !self.path.is_empty() && !name.is_empty() {
+            self.path.push('.');
+        }
+        self.path.push_str(name);
+    }
+}

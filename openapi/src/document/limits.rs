@@ -1,0 +1,138 @@
+//! Writes the limits into the schemas: those that the checks ask for, recorded from a walk of each check.
+
+use super::route::Schemas;
+use crate::check::{Check, Checked, Limit};
+use crate::{robot, step, task};
+use utoipa::openapi::schema::{ArrayItems, Schema};
+use utoipa::openapi::{Object, RefOr};
+use utoipa::{Number, ToSchema};
+
+/// Writes each limit of everything that the server or the robot takes in.
+///
+/// # Panics
+/// Where a check asks about a field that its schema does not have: a mistake in this crate, found by its tests.
+pub(super) fn apply(schemas: &mut Schemas) {
+    let monte_carlo = robot::Predictor::MonteCarlo { agents: 1, cell_m: 0.01, seed: 0 };
+    write(schemas, &robot::Spec { predictor: monte_carlo, ..robot::Spec::default() });
+    write(
+        schemas,
+        &task::Spec {
+            waypoints: vec![task::Waypoint { x_m: 0.0, y_m: 0.0 }],
+            tolerance_m: 0.01,
+            reverse: false,
+            calibration: Some(task::Calibration::default()),
+        },
+    );
+    let observation = step::Observation { x_m: 0.0, y_m: 0.0, heading_rad: 0.0, taken_s: 0.0 };
+    write(
+        schemas,
+        &step::Request {
+            sequence: 1,
+            epoch: 0,
+            sent_s: 0.0,
+            observations: vec![observation],
+            deliveries: vec![step::Delivery { sequence: 0, loop_delay_s: 0.0 }],
+            playing: Some(step::Playing { horizon: 0, since_s: 0.0 }),
+        },
+    );
+    write(
+        schemas,
+        &step::Horizon {
+            sequence: 0,
+            answers: 0,
+            start_s: 0.0,
+            slot_s: 0.03,
+            watchdog_s: 0.3,
+            valid_until_s: None,
+            wheel_speeds: vec![step::WheelSpeeds::default()],
+        },
+    );
+}
+
+fn write<T: Checked + ToSchema>(schemas: &mut Schemas, example: &T) {
+    for (path, limit) in Check::limits(example) {
+        let steps = path.replace("[0]", ".[]");
+        let steps: Vec<_> = steps.split('.').collect();
+        let mut name = T::name().into_owned();
+        let mut rest = steps.as_slice();
+        loop {
+            let found = schemas.get_mut(&name).map(|schema| place(schema, rest, &limit));
+            match found {
+                Some(Found::Written) => break,
+                Some(Found::In { schema, left }) => {
+                    name = schema;
+                    rest = &steps[steps.len() - left..];
+                }
+                Some(Found::Nothing) | None => panic!("{name} has no field {path}"),
+            }
+        }
+    }
+}
+
+enum Found {
+    Written,
+    /// Go on in the schema of this name with so many steps left.
+    In {
+        schema: String,
+        left: usize,
+    },
+    Nothing,
+}
+
+fn place(schema: &mut RefOr<Schema>, steps: &[&str], limit: &Limit) -> Found {
+    let schema = match schema {
+        RefOr::Ref(reference) => {
+            let name = reference.ref_location.rsplit('/').next().unwrap_or_default();
+            return Found::In { schema: name.to_owned(), left: steps.len() };
+        }
+        RefOr::T(schema) => schema,
+    };
+    let Some((first, rest)) = steps.split_first() else { return write_here(schema, limit) };
+    match schema {
+        Schema::Object(object) => match object.properties.get_mut(*first) {
+            Some(property) => place(property, rest, limit),
+            None => Found::Nothing,
+        },
+        Schema::Array(array) => match &mut array.items {
+            ArrayItems::RefOrSchema(items) if *first == "[]" => place(items, rest, limit),
+            _ => Found::Nothing,
+        },
+        Schema::OneOf(one_of) => place_in_any(&mut one_of.items, steps, limit),
+        Schema::AllOf(all_of) => place_in_any(&mut all_of.items, steps, limit),
+        Schema::AnyOf(any_of) => place_in_any(&mut any_of.items, steps, limit),
+        _ => Found::Nothing,
+    }
+}
+
+fn place_in_any(items: &mut [RefOr<Schema>], steps: &[&str], limit: &Limit) -> Found {
+    for item in items {
+        match place(item, steps, limit) {
+            Found::Nothing => {}
+            found => return found,
+        }
+    }
+    Found::Nothing
+}
+
+fn write_here(schema: &mut Schema, limit: &Limit) -> Found {
+    match (schema, limit) {
+        (Schema::Object(object), Limit::Number(range)) => {
+            set(object, Number::Float(range.min), Number::Float(range.max))
+        }
+        (Schema::Object(object), Limit::Integer(range)) => {
+            set(object, Number::UInt(*range.start() as usize), Number::UInt(*range.end() as usize))
+        }
+        (Schema::Array(array), Limit::Length(range)) => {
+            array.min_items = Some(*range.start());
+            array.max_items = Some(*range.end());
+            Found::Written
+        }
+        _ => Found::Nothing,
+    }
+}
+
+fn set(object: &mut Object, min: Number, max: Number) -> Found {
+    object.minimum = Some(min);
+    object.maximum = Some(max);
+    Found::Written
+}

@@ -1,0 +1,211 @@
+//! One route of the contract and its OpenAPI form.
+
+use crate::id::RobotId;
+use crate::problem::ErrorBody;
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+use utoipa::openapi::path::{OperationBuilder, ParameterBuilder, ParameterIn};
+use utoipa::openapi::request_body::RequestBodyBuilder;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, SchemaType, Type};
+use utoipa::openapi::{
+    ContentBuilder, HeaderBuilder, HttpMethod, PathItem, Ref, RefOr, Required, Response,
+    ResponseBuilder,
+};
+
+/// Schemas by name.
+pub(super) type Schemas = BTreeMap<String, RefOr<Schema>>;
+
+/// One operation on one path.
+pub(super) struct Route {
+    path: &'static str,
+    schemas: Schemas,
+    method: HttpMethod,
+    operation: OperationBuilder,
+}
+
+impl Route {
+    pub(super) fn get(path: &'static str, id: &str, summary: &str) -> Self {
+        Self::new(HttpMethod::Get, path, id, summary)
+    }
+
+    pub(super) fn put(path: &'static str, id: &str, summary: &str) -> Self {
+        Self::new(HttpMethod::Put, path, id, summary)
+    }
+
+    pub(super) fn post(path: &'static str, id: &str, summary: &str) -> Self {
+        Self::new(HttpMethod::Post, path, id, summary)
+    }
+
+    pub(super) fn delete(path: &'static str, id: &str, summary: &str) -> Self {
+        Self::new(HttpMethod::Delete, path, id, summary)
+    }
+
+    /// Every operation knows its path parameters, all of them ids of robots so far, and may fail.
+    fn new(method: HttpMethod, path: &'static str, id: &str, summary: &str) -> Self {
+        let operation = OperationBuilder::new().operation_id(Some(id)).summary(Some(summary));
+        let mut route = Self { path, schemas: Schemas::new(), method, operation };
+        for name in path.split('/').filter_map(|part| part.strip_prefix('{')?.strip_suffix('}')) {
+            let schema = route.schema::<RobotId>();
+            let about = format!("Id of the {name}");
+            route = route.parameter(name, ParameterIn::Path, Required::True, &about, schema);
+        }
+        let problem = route.problem("Any other problem").build();
+        route.operation = route.operation.response("default", problem);
+        route
+    }
+
+    pub(super) fn tag(mut self, tag: &str) -> Self {
+        self.operation = self.operation.tag(tag);
+        self
+    }
+
+    pub(super) fn about(mut self, description: &str) -> Self {
+        self.operation = self.operation.description(Some(description));
+        self
+    }
+
+    pub(super) fn query(self, name: &str, about: &str, schema: RefOr<Schema>) -> Self {
+        self.parameter(name, ParameterIn::Query, Required::False, about, schema)
+    }
+
+    pub(super) fn query_as<T: ToSchema>(mut self, name: &str, about: &str) -> Self {
+        let schema = self.schema::<T>();
+        self.query(name, about, schema)
+    }
+
+    pub(super) fn if_match(self) -> Self {
+        let about = "Only if the resource has this `etag` still; `*` only if it exists";
+        self.parameter("If-Match", ParameterIn::Header, Required::False, about, text(200))
+    }
+
+    pub(super) fn last_event_id(self) -> Self {
+        let about = "Id of the last event that was received";
+        let schema = integer_from(0);
+        self.parameter("Last-Event-ID", ParameterIn::Header, Required::False, about, schema)
+    }
+
+    pub(super) fn takes<T: ToSchema>(mut self) -> Self {
+        let content = ContentBuilder::new().schema(Some(self.schema::<T>())).build();
+        let body = RequestBodyBuilder::new()
+            .required(Some(Required::True))
+            .content("application/json", content)
+            .build();
+        self.operation = self.operation.request_body(Some(body));
+        self
+    }
+
+    pub(super) fn gives<T: ToSchema>(mut self, code: u16, about: &str) -> Self {
+        let content = ContentBuilder::new().schema(Some(self.schema::<T>())).build();
+        let response =
+            ResponseBuilder::new().description(about).content("application/json", content);
+        self.respond(code, response.build())
+    }
+
+    pub(super) fn gives_object(self, about: &str) -> Self {
+        let schema = ObjectBuilder::new().schema_type(SchemaType::Type(Type::Object)).build();
+        let content = ContentBuilder::new().schema(Some(schema)).build();
+        let response =
+            ResponseBuilder::new().description(about).content("application/json", content);
+        self.respond(200, response.build())
+    }
+
+    pub(super) fn gives_nothing(self, about: &str) -> Self {
+        self.respond(204, Response::new(about))
+    }
+
+    pub(super) fn streams<T: ToSchema>(mut self, about: &str) -> Self {
+        let content = ContentBuilder::new().schema(Some(self.schema::<T>())).build();
+        let response =
+            ResponseBuilder::new().description(about).content("text/event-stream", content);
+        self.respond(200, response.build())
+    }
+
+    pub(super) fn fails(mut self, codes: &[u16]) -> Self {
+        for &code in codes {
+            let about = match code {
+                400 => {
+                    "INVALID_ARGUMENT, FAILED_PRECONDITION or OUT_OF_RANGE: every bad field at once"
+                }
+                404 => "NOT_FOUND",
+                409 => "ABORTED: somebody else was first (another epoch, another version)",
+                429 => "RESOURCE_EXHAUSTED: too much at once",
+                503 => "UNAVAILABLE: not now, ask again",
+                other => unreachable!("no words for {other}"),
+            };
+            let mut response = self.problem(about);
+            if code == 429 {
+                let header = HeaderBuilder::new()
+                    .schema(Some(integer_from(0)))
+                    .description(Some("Seconds to wait before asking again"))
+                    .build();
+                response = response.header("Retry-After", header);
+            }
+            self = self.respond(code, response.build());
+        }
+        self
+    }
+
+    /// The path, its item with this one operation, and the schemas that it uses.
+    pub(super) fn into_parts(self) -> (&'static str, PathItem, Schemas) {
+        (self.path, PathItem::new(self.method, self.operation), self.schemas)
+    }
+
+    fn problem(&mut self, about: &str) -> ResponseBuilder {
+        let content = ContentBuilder::new().schema(Some(self.schema::<ErrorBody>())).build();
+        ResponseBuilder::new().description(about).content("application/json", content)
+    }
+
+    fn respond(mut self, code: u16, response: Response) -> Self {
+        self.operation = self.operation.response(code.to_string(), response);
+        self
+    }
+
+    fn parameter(
+        mut self,
+        name: &str,
+        place: ParameterIn,
+        required: Required,
+        about: &str,
+        schema: RefOr<Schema>,
+    ) -> Self {
+        let parameter = ParameterBuilder::new()
+            .name(name)
+            .parameter_in(place)
+            .required(required)
+            .description(Some(about))
+            .schema(Some(schema));
+        self.operation = self.operation.parameter(parameter.build());
+        self
+    }
+
+    /// A reference to the schema of `T`, which is kept with all that it refers to.
+    fn schema<T: ToSchema>(&mut self) -> RefOr<Schema> {
+        let name = T::name().into_owned();
+        let mut found = vec![(name.clone(), T::schema())];
+        T::schemas(&mut found);
+        self.schemas.extend(found);
+        Ref::from_schema_name(name).into()
+    }
+}
+
+/// An integer from `min` to `max`.
+pub(super) fn integer(min: u64, max: u64, default: u64) -> RefOr<Schema> {
+    ObjectBuilder::new()
+        .schema_type(SchemaType::Type(Type::Integer))
+        .minimum(Some(min as f64))
+        .maximum(Some(max as f64))
+        .default(Some(default.into()))
+        .into()
+}
+
+fn integer_from(min: u64) -> RefOr<Schema> {
+    ObjectBuilder::new()
+        .schema_type(SchemaType::Type(Type::Integer))
+        .minimum(Some(min as f64))
+        .into()
+}
+
+/// A text of at most `max` bytes.
+pub(super) fn text(max: usize) -> RefOr<Schema> {
+    ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).max_length(Some(max)).into()
+}

@@ -1,0 +1,278 @@
+//! The error body: one shape for everything that goes wrong, the JSON form of gRPC's status.
+//!
+//! The server builds a [`Problem`] and sends `problem.http_status()` with [`ErrorBody::from`]; the client turns
+//! whatever came back into a [`Problem`] again with [`Problem::parse`].
+//!
+//! ```
+//! use umwelt_api::problem::{Detail, ErrorBody, Problem, Status, reason};
+//! let problem = Problem::new(Status::NotFound, "there is no robot rover-9")
+//!     .with(Detail::new(reason::NO_SUCH_RESOURCE, "robot", "rover-9", "list them: GET /v1/robots"));
+//! let json = serde_json::to_vec(&ErrorBody::from(problem.clone())).unwrap();
+//! assert_eq!(Problem::parse(404, &json), problem);
+//! ```
+
+mod status;
+
+pub use status::Status;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::ToSchema;
+
+/// Most details of one error: a body of 1000 bad waypoints must not answer with half a megabyte.
+/// The message tells how many there were.
+pub const MAX_DETAILS: usize = 100;
+
+/// Longest text in bytes that an error repeats of what was sent.
+pub const MAX_ECHO: usize = 200;
+
+/// Longest remedy in bytes: it may name every field of a drive, and may hold words of a parser that repeat a text.
+pub const MAX_REMEDY: usize = 500;
+
+/// The reasons that this version gives; clients must expect others.
+pub mod reason {
+    /// A number is NaN or infinite.
+    pub const NOT_FINITE: &str = "NOT_FINITE";
+    /// A number lies outside its range.
+    pub const OUT_OF_RANGE: &str = "OUT_OF_RANGE";
+    /// A list or text is too long or too short.
+    pub const WRONG_LENGTH: &str = "WRONG_LENGTH";
+    /// A field contradicts another.
+    pub const INCONSISTENT: &str = "INCONSISTENT";
+    /// A field that nobody knows.
+    pub const UNKNOWN_FIELD: &str = "UNKNOWN_FIELD";
+    /// Not JSON, a missing field, or a value of another type.
+    pub const MALFORMED: &str = "MALFORMED";
+    /// An id that is none.
+    pub const INVALID_ID: &str = "INVALID_ID";
+    /// Nothing goes by this name.
+    pub const NO_SUCH_RESOURCE: &str = "NO_SUCH_RESOURCE";
+    /// An epoch that another one has taken over from.
+    pub const EPOCH_SUPERSEDED: &str = "EPOCH_SUPERSEDED";
+    /// The resource is not what `If-Match` says.
+    pub const ETAG_MISMATCH: &str = "ETAG_MISMATCH";
+    /// The body is larger than allowed.
+    pub const BODY_TOO_LARGE: &str = "BODY_TOO_LARGE";
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = problem::Detail)]
+pub struct Detail {
+    /// Why, for programs: `OUT_OF_RANGE`, `UNKNOWN_FIELD`, ...; expect others.
+    pub reason: String,
+    /// Path of the field, as `waypoints[3].x_m`; empty where the whole is meant.
+    #[serde(default)]
+    pub field: String,
+    /// What the field held, shortened; null where it held nothing, a list or an object.
+    #[serde(default)]
+    pub value: Value,
+    /// What to do about it, for people.
+    #[serde(default)]
+    pub remedy: String,
+}
+
+impl Detail {
+    /// What is wrong with `field`; long texts are cut to [`MAX_ECHO`].
+    pub fn new(
+        reason: impl Into<String>,
+        field: impl Into<String>,
+        value: impl Into<Value>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let value = match value.into() {
+            Value::String(text) => Value::String(shortened(text, MAX_ECHO)),
+            Value::Array(_) | Value::Object(_) => Value::Null,
+            scalar => scalar,
+        };
+        let field = shortened(field.into(), MAX_ECHO);
+        let remedy = shortened(remedy.into(), MAX_REMEDY);
+        Self { reason: reason.into(), field, value, remedy }
+    }
+}
+
+fn shortened(mut text: String, longest: usize) -> String {
+    if text.len() > longest {
+        text.truncate(text.floor_char_boundary(longest));
+        text.push_str("...");
+    }
+    text
+}
+
+/// Everything that is wrong with what was sent, never nothing where it is returned as an error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Problems {
+    details: Vec<Detail>,
+    count: usize,
+}
+
+impl Problems {
+    /// The first [`MAX_DETAILS`] of them.
+    pub fn details(&self) -> &[Detail] {
+        &self.details
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    pub(crate) fn add(&mut self, detail: Detail) {
+        self.count += 1;
+        if self.details.len() < MAX_DETAILS {
+            self.details.push(detail);
+        }
+    }
+}
+
+impl From<Detail> for Problems {
+    fn from(detail: Detail) -> Self {
+        Self { details: vec![detail], count: 1 }
+    }
+}
+
+impl std::fmt::Display for Problems {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Some(first) = self.details.first() else { return f.write_str("no problem") };
+        if first.field.is_empty() {
+            write!(f, "{}: {}", first.reason, first.remedy)?;
+        } else {
+            write!(f, "{}: {} is {}: {}", first.reason, first.field, first.value, first.remedy)?;
+        }
+        match self.count {
+            0 | 1 => Ok(()),
+            count => write!(f, " (and {} more)", count - 1),
+        }
+    }
+}
+
+impl std::error::Error for Problems {}
+
+/// What went wrong, as the server says it and the client hears it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}: {message}", status.name())]
+pub struct Problem {
+    /// What kind it is; decides the HTTP status.
+    pub status: Status,
+    /// One sentence for people.
+    pub message: String,
+    /// Each thing that is wrong.
+    pub details: Vec<Detail>,
+}
+
+impl Problem {
+    /// A problem without details.
+    pub fn new(status: Status, message: impl Into<String>) -> Self {
+        Self { status, message: message.into(), details: Vec::new() }
+    }
+
+    /// The same with one more detail.
+    pub fn with(mut self, detail: Detail) -> Self {
+        self.details.push(detail);
+        self
+    }
+
+    /// The HTTP status code to send.
+    pub fn http_status(&self) -> u16 {
+        self.status.http_code()
+    }
+
+    /// What a response with HTTP status `code` and `body` says. A body in another shape, as from a proxy,
+    /// becomes the message.
+    pub fn parse(code: u16, body: &[u8]) -> Self {
+        match serde_json::from_slice::<ErrorBody>(body) {
+            Ok(ErrorBody { error }) => {
+                Self { status: error.status, message: error.message, details: error.details }
+            }
+            Err(_) => {
+                let text = shortened(String::from_utf8_lossy(body).trim().to_owned(), MAX_ECHO);
+                Self::new(Status::from_http(code), format!("HTTP {code}: {text}"))
+            }
+        }
+    }
+}
+
+impl From<Problems> for Problem {
+    fn from(problems: Problems) -> Self {
+        let message = problems.to_string();
+        Self { status: Status::InvalidArgument, message, details: problems.details }
+    }
+}
+
+/// The body of every response that is no success.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = problem::ErrorBody)]
+pub struct ErrorBody {
+    /// What went wrong.
+    pub error: ErrorStatus,
+}
+
+/// What went wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = problem::ErrorStatus)]
+pub struct ErrorStatus {
+    /// The HTTP status code.
+    pub code: u16,
+    /// The gRPC name of the kind of problem.
+    pub status: Status,
+    /// One sentence for people.
+    pub message: String,
+    /// Each thing that is wrong: every bad field at once.
+    #[serde(default)]
+    pub details: Vec<Detail>,
+}
+
+impl From<Problem> for ErrorBody {
+    fn from(problem: Problem) -> Self {
+        let Problem { status, message, details } = problem;
+        Self { error: ErrorStatus { code: status.http_code(), status, message, details } }
+    }
+}
+
+impl From<Problems> for ErrorBody {
+    fn from(problems: Problems) -> Self {
+        Problem::from(problems).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_foreign_error_page_is_still_a_problem() {
+        let problem = Problem::parse(502, b"<html>bad gateway</html>");
+        assert_eq!(problem.status, Status::Unavailable);
+        assert!(problem.message.contains("bad gateway"), "{problem}");
+        assert_eq!(Problem::parse(404, b"").status, Status::NotFound);
+    }
+
+    #[test]
+    fn a_newer_server_is_understood() {
+        let body = br#"{"error":{"code":418,"status":"TEAPOT","message":"m","details":[{"reason":"R","new":1}],"new":2}}"#;
+        let problem = Problem::parse(418, body);
+        assert_eq!((problem.status, problem.details.len()), (Status::Unknown, 1));
+    }
+
+    #[test]
+    fn what_is_repeated_is_short_and_whole_characters() {
+        let detail = Detail::new("R", "f", "ä".repeat(5000), "");
+        assert!(detail.value.as_str().is_some_and(|text| text.len() <= MAX_ECHO + 3));
+    }
+
+    #[test]
+    fn details_are_limited_and_the_message_counts_them_all() {
+        let mut problems = Problems::default();
+        for index in 0..250 {
+            problems.add(Detail::new(reason::NOT_FINITE, format!("a[{index}]"), Value::Null, "r"));
+        }
+        let problem = Problem::from(problems);
+        assert_eq!(problem.details.len(), MAX_DETAILS);
+        assert!(problem.message.ends_with("(and 249 more)"));
+    }
+}

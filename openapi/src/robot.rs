@@ -1,0 +1,150 @@
+//! A robot: what is said about it once, and how it is now.
+
+mod choice;
+mod drive;
+mod prior;
+mod spec;
+
+pub use choice::{Attribution, CELL, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
+pub use drive::{
+    ANGULAR_ACCELERATION, ANGULAR_SPEED, Drive, HEADING_NOISE, LAG, LINEAR_ACCELERATION,
+    LINEAR_SPEED, Noise, POSITION_NOISE, TRACK_WIDTH, WHEEL_RADIUS, WHEEL_SPEED,
+};
+pub use prior::{ChannelPrior, MU, Prior, SUM_OF_SQUARES, WEIGHT};
+pub use spec::{
+    ALPHA, HEADING_VARIANCE, LOOP_DELAY, MIN_WATCHDOG, POSITION_VARIANCE, STOP_RADIUS, Spec,
+    Steering, TURN, VarianceLimits, WATCHDOG,
+};
+
+use crate::check::{Check, Checked};
+use crate::id::RobotId;
+use crate::number;
+use crate::problem::Problems;
+use crate::task;
+use serde::{Deserialize, Serialize};
+use umwelt_core::exchange;
+use utoipa::ToSchema;
+
+/// Largest body of a description in bytes; a full one has 2 kB.
+pub const MAX_BODY: usize = 64 * 1024;
+
+/// Most robots of one page: a page of this length is about a megabyte.
+pub const MAX_PAGE_SIZE: u64 = 500;
+
+/// Robots of a page where nothing is said.
+pub const DEFAULT_PAGE_SIZE: u64 = 50;
+
+/// Longest page token: it holds an id and little else.
+pub const MAX_PAGE_TOKEN: usize = 128;
+
+/// Whether the robot is heard from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = robot::State)]
+pub enum State {
+    /// It has never sent a step to this server.
+    Never,
+    /// It sends steps.
+    Connected,
+    /// It has sent steps and has fallen silent; its last pose stays.
+    Lost,
+}
+
+/// A robot as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = robot::Robot)]
+pub struct Robot {
+    /// Its id.
+    pub robot: RobotId,
+    /// What was said about it, all filled in.
+    pub spec: Spec,
+    /// Whether it is heard from.
+    pub state: State,
+    /// Time since its last step; null before the first.
+    pub last_seen_s_ago: Option<f64>,
+    /// Whether it is told to rest until it is resumed.
+    pub stopped: bool,
+    /// The last accepted pose; null before the first.
+    pub pose: Option<Pose>,
+    /// How far its task has got; null without a task.
+    pub task: Option<task::Progress>,
+    /// The epoch of its agent; null before the first step.
+    pub epoch: Option<u64>,
+    /// Median time from a pose being taken to its reply arriving; null before the first delivery.
+    pub loop_delay_median_s: Option<f64>,
+    /// Version of the spec, for `If-Match`.
+    pub etag: String,
+}
+
+/// A pose in the world and the robot's own time at which it was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = robot::Pose)]
+pub struct Pose {
+    /// World x.
+    #[serde(serialize_with = "number::finite")]
+    pub x_m: f64,
+    /// World y.
+    #[serde(serialize_with = "number::finite")]
+    pub y_m: f64,
+    /// Counter-clockwise from world x, in (-pi, pi].
+    #[serde(serialize_with = "number::finite")]
+    pub heading_rad: f64,
+    /// Robot time at which it was taken.
+    #[serde(serialize_with = "number::finite")]
+    pub taken_s: f64,
+}
+
+impl From<exchange::Observation> for Pose {
+    fn from(core: exchange::Observation) -> Self {
+        Self {
+            x_m: core.pose.x,
+            y_m: core.pose.y,
+            heading_rad: core.pose.heading.radians(),
+            taken_s: core.taken,
+        }
+    }
+}
+
+/// Some of the robots, in the order of their ids.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = robot::Page)]
+pub struct Page {
+    /// The robots.
+    pub robots: Vec<Robot>,
+    /// Where the next page begins; null on the last one.
+    pub next_page_token: Option<String>,
+}
+
+/// Which robots to list: the query of `GET /v1/robots`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PageQuery {
+    /// Most robots to list; [`DEFAULT_PAGE_SIZE`] where nothing is said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page_size: Option<u64>,
+    /// The `next_page_token` of the page before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page_token: Option<String>,
+    /// Only robots in this state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state: Option<State>,
+}
+
+impl Checked for PageQuery {
+    fn check(&self, check: &mut Check) {
+        check.integer("page_size", self.page_size.unwrap_or(DEFAULT_PAGE_SIZE), 1..=MAX_PAGE_SIZE);
+        let length = self.page_token.as_ref().map_or(0, String::len);
+        check.length("page_token", length, 0..=MAX_PAGE_TOKEN);
+    }
+}
+
+impl PageQuery {
+    /// The query, if every part of it is in range.
+    ///
+    /// # Errors
+    /// Every parameter that is not.
+    pub fn checked(self) -> Result<Self, Problems> {
+        Check::all(&self)?;
+        Ok(self)
+    }
+}

@@ -1,0 +1,130 @@
+//! The choices of a robot's controller: method, attribution, predictor.
+
+use crate::check::{Check, Checked, Range};
+use serde::{Deserialize, Serialize};
+use umwelt_core::controller::settings;
+use utoipa::ToSchema;
+
+/// Most agents: their steps must fit into a control cycle.
+pub const MAX_AGENTS: u64 = 10_000;
+/// From a tenth of the pose noise of a good camera to the size of a robot.
+pub const CELL: Range = Range::new(1e-5, 1.0, "m");
+/// Integers up to 2^53 - 1 survive every JSON reader.
+pub const MAX_INTEGER: u64 = (1 << 53) - 1;
+
+/// How the environment is identified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = robot::Method)]
+pub enum Method {
+    /// The error distribution measured once on the normal link, never updated.
+    FixedNormal,
+    /// The error distribution measured once on the bad link, never updated.
+    FixedBad,
+    /// Samples only; fixed-normal below two samples.
+    Statistic,
+    /// Prior and samples: the thesis's method.
+    Bayesian,
+}
+
+impl From<settings::Method> for Method {
+    fn from(core: settings::Method) -> Self {
+        match core {
+            settings::Method::FixedNormal => Self::FixedNormal,
+            settings::Method::FixedBad => Self::FixedBad,
+            settings::Method::Statistic => Self::Statistic,
+            settings::Method::Bayesian => Self::Bayesian,
+        }
+    }
+}
+
+impl From<Method> for settings::Method {
+    fn from(wire: Method) -> Self {
+        match wire {
+            Method::FixedNormal => Self::FixedNormal,
+            Method::FixedBad => Self::FixedBad,
+            Method::Statistic => Self::Statistic,
+            Method::Bayesian => Self::Bayesian,
+        }
+    }
+}
+
+/// What an observed motion is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = robot::Attribution)]
+pub enum Attribution {
+    /// The commands as sent: a late packet shows as a control error.
+    Sent,
+    /// The commands as the robot reports to have played them: link trouble and floor trouble come apart.
+    Played,
+}
+
+impl From<settings::Attribution> for Attribution {
+    fn from(core: settings::Attribution) -> Self {
+        match core {
+            settings::Attribution::Sent => Self::Sent,
+            settings::Attribution::Played => Self::Played,
+        }
+    }
+}
+
+impl From<Attribution> for settings::Attribution {
+    fn from(wire: Attribution) -> Self {
+        match wire {
+            Attribution::Sent => Self::Sent,
+            Attribution::Played => Self::Played,
+        }
+    }
+}
+
+/// How the pose at the time of a command is predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+#[schema(as = robot::Predictor)]
+pub enum Predictor {
+    /// Mean and covariance propagated in closed form.
+    Moments,
+    /// The thesis's Monte Carlo: agents counted in a table of cells.
+    MonteCarlo {
+        /// Number of agents.
+        agents: usize,
+        /// Edge of a cell; a cell of the heading is as many rad per 0.1 m.
+        cell_m: f64,
+        /// Seed of the agents' errors.
+        seed: u64,
+    },
+}
+
+impl Checked for Predictor {
+    fn check(&self, check: &mut Check) {
+        if let Self::MonteCarlo { agents, cell_m, seed } = self {
+            check.integer("agents", *agents as u64, 1..=MAX_AGENTS);
+            check.number("cell_m", *cell_m, CELL);
+            check.integer("seed", *seed, 0..=MAX_INTEGER);
+        }
+    }
+}
+
+impl From<settings::PredictorKind> for Predictor {
+    fn from(core: settings::PredictorKind) -> Self {
+        match core {
+            settings::PredictorKind::Moments => Self::Moments,
+            settings::PredictorKind::MonteCarlo { agents, cell, seed } => {
+                Self::MonteCarlo { agents, cell_m: cell, seed }
+            }
+        }
+    }
+}
+
+impl Predictor {
+    /// The predictor in core's terms, unchecked.
+    pub(super) fn convert(self) -> settings::PredictorKind {
+        match self {
+            Self::Moments => settings::PredictorKind::Moments,
+            Self::MonteCarlo { agents, cell_m, seed } => {
+                settings::PredictorKind::MonteCarlo { agents, cell: cell_m, seed }
+            }
+        }
+    }
+}

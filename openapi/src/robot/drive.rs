@@ -1,0 +1,181 @@
+//! The drive of a robot, and how well it is seen.
+
+use crate::check::{Check, Checked, Range};
+use serde::{Deserialize, Serialize};
+use umwelt_core::controller::settings::PoseNoise;
+use umwelt_core::kinematics;
+use utoipa::ToSchema;
+
+/// From the wheels of a toy to those of a tractor.
+pub const WHEEL_RADIUS: Range = Range::new(0.001, 2.0, "m");
+/// From a coin to a tractor.
+pub const TRACK_WIDTH: Range = Range::new(0.005, 10.0, "m");
+/// Up to 9500 revolutions per minute; a wheel that does not turn is no drive.
+pub const WHEEL_SPEED: Range = Range::new(0.01, 1000.0, "rad/s");
+/// Up to 36 km/h, beyond which no one steers by a bad link.
+pub const LINEAR_SPEED: Range = Range::new(1e-4, 10.0, "m/s");
+/// Up to 16 turns per second.
+pub const ANGULAR_SPEED: Range = Range::new(1e-3, 100.0, "rad/s");
+/// Up to 10 g; a drive that cannot accelerate cannot stop.
+pub const LINEAR_ACCELERATION: Range = Range::new(1e-3, 100.0, "m/s^2");
+/// As for the speed, reached in 0.1 s.
+pub const ANGULAR_ACCELERATION: Range = Range::new(1e-2, 1000.0, "rad/s^2");
+/// Slower wheels would still follow the last command when the longest horizon is over.
+pub const LAG: Range = Range::new(0.0, 2.0, "s");
+/// Noise of a metre leaves nothing to control by.
+pub const POSITION_NOISE: Range = Range::new(0.0, 1.0, "m");
+/// Noise of a radian leaves nothing to steer by.
+pub const HEADING_NOISE: Range = Range::new(0.0, 1.0, "rad");
+
+/// A two-wheel drive. What is left out is that of a robot of the 0.1 m class.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = robot::Drive)]
+pub struct Drive {
+    /// Radius of both wheels.
+    pub wheel_radius_m: f64,
+    /// Distance between the wheels.
+    pub track_width_m: f64,
+    /// Largest speed of either wheel.
+    pub max_wheel_speed_rad_per_s: f64,
+    /// Largest forward or reverse speed.
+    pub max_linear_m_per_s: f64,
+    /// Smallest forward or reverse speed at which the motors turn.
+    pub min_linear_m_per_s: f64,
+    /// Largest angular velocity.
+    pub max_angular_rad_per_s: f64,
+    /// Smallest angular velocity of a turn in place.
+    pub min_angular_rad_per_s: f64,
+    /// Largest change of forward speed.
+    pub max_linear_acceleration_m_per_s2: f64,
+    /// Largest change of angular velocity.
+    pub max_angular_acceleration_rad_per_s2: f64,
+    /// Time constant with which the wheels follow a command; 0 follows at once.
+    pub lag_s: f64,
+    /// Time before the wheels begin to follow a command.
+    pub dead_time_s: f64,
+}
+
+impl Default for Drive {
+    fn default() -> Self {
+        kinematics::Drive::default().into()
+    }
+}
+
+impl Checked for Drive {
+    fn check(&self, check: &mut Check) {
+        check.number("wheel_radius_m", self.wheel_radius_m, WHEEL_RADIUS);
+        check.number("track_width_m", self.track_width_m, TRACK_WIDTH);
+        check.number("max_wheel_speed_rad_per_s", self.max_wheel_speed_rad_per_s, WHEEL_SPEED);
+        check.number("max_linear_m_per_s", self.max_linear_m_per_s, LINEAR_SPEED);
+        check.number("min_linear_m_per_s", self.min_linear_m_per_s, LINEAR_SPEED);
+        check.number("max_angular_rad_per_s", self.max_angular_rad_per_s, ANGULAR_SPEED);
+        check.number("min_angular_rad_per_s", self.min_angular_rad_per_s, ANGULAR_SPEED);
+        check.number(
+            "max_linear_acceleration_m_per_s2",
+            self.max_linear_acceleration_m_per_s2,
+            LINEAR_ACCELERATION,
+        );
+        check.number(
+            "max_angular_acceleration_rad_per_s2",
+            self.max_angular_acceleration_rad_per_s2,
+            ANGULAR_ACCELERATION,
+        );
+        check.number("lag_s", self.lag_s, LAG);
+        check.number("dead_time_s", self.dead_time_s, LAG);
+        check.agrees(
+            "min_linear_m_per_s",
+            self.min_linear_m_per_s <= self.max_linear_m_per_s,
+            self.min_linear_m_per_s,
+            "use at most max_linear_m_per_s",
+        );
+        check.agrees(
+            "min_angular_rad_per_s",
+            self.min_angular_rad_per_s <= self.max_angular_rad_per_s,
+            self.min_angular_rad_per_s,
+            "use at most max_angular_rad_per_s",
+        );
+        let wheels = self.max_wheel_speed_rad_per_s * self.wheel_radius_m;
+        let turning = self.min_angular_rad_per_s * self.track_width_m / 2.0;
+        check.agrees(
+            "max_wheel_speed_rad_per_s",
+            wheels >= self.min_linear_m_per_s && wheels >= turning,
+            self.max_wheel_speed_rad_per_s,
+            "use a speed at which the wheels reach min_linear_m_per_s and min_angular_rad_per_s",
+        );
+    }
+}
+
+impl From<kinematics::Drive> for Drive {
+    fn from(core: kinematics::Drive) -> Self {
+        Self {
+            wheel_radius_m: core.wheel_radius,
+            track_width_m: core.track_width,
+            max_wheel_speed_rad_per_s: core.max_wheel_speed,
+            max_linear_m_per_s: core.max_linear,
+            min_linear_m_per_s: core.min_linear,
+            max_angular_rad_per_s: core.max_angular,
+            min_angular_rad_per_s: core.min_angular,
+            max_linear_acceleration_m_per_s2: core.max_linear_acceleration,
+            max_angular_acceleration_rad_per_s2: core.max_angular_acceleration,
+            lag_s: core.lag,
+            dead_time_s: core.dead_time,
+        }
+    }
+}
+
+impl Drive {
+    /// The drive in core's terms, unchecked.
+    pub(super) fn convert(self) -> kinematics::Drive {
+        kinematics::Drive {
+            wheel_radius: self.wheel_radius_m,
+            track_width: self.track_width_m,
+            max_wheel_speed: self.max_wheel_speed_rad_per_s,
+            max_linear: self.max_linear_m_per_s,
+            min_linear: self.min_linear_m_per_s,
+            max_angular: self.max_angular_rad_per_s,
+            min_angular: self.min_angular_rad_per_s,
+            max_linear_acceleration: self.max_linear_acceleration_m_per_s2,
+            max_angular_acceleration: self.max_angular_acceleration_rad_per_s2,
+            lag: self.lag_s,
+            dead_time: self.dead_time_s,
+        }
+    }
+}
+
+/// Known standard deviations of one observed pose; none by default.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = robot::Noise)]
+pub struct Noise {
+    /// Per axis.
+    pub position_m: f64,
+    /// Of the heading.
+    pub heading_rad: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        PoseNoise::default().into()
+    }
+}
+
+impl Checked for Noise {
+    fn check(&self, check: &mut Check) {
+        check.number("position_m", self.position_m, POSITION_NOISE);
+        check.number("heading_rad", self.heading_rad, HEADING_NOISE);
+    }
+}
+
+impl From<PoseNoise> for Noise {
+    fn from(core: PoseNoise) -> Self {
+        Self { position_m: core.position, heading_rad: core.heading }
+    }
+}
+
+impl Noise {
+    /// The noise in core's terms, unchecked.
+    pub(super) fn convert(self) -> PoseNoise {
+        PoseNoise { position: self.position_m, heading: self.heading_rad }
+    }
+}

@@ -1,0 +1,102 @@
+//! What is believed about the floor before any sample.
+
+use crate::check::{Check, Checked, Range};
+use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::{ConjugateError, NormalInverseChiSquared};
+use umwelt_core::controller::settings;
+use utoipa::ToSchema;
+
+/// An error of ten times the commanded motion is no error ratio any more.
+pub const MU: Range = Range::new(-10.0, 10.0, "");
+/// From nothing believed to more samples than a robot takes in its life.
+pub const WEIGHT: Range = Range::new(1e-6, 1e9, "");
+/// Sum of squares for the weights and ratios above.
+pub const SUM_OF_SQUARES: Range = Range::new(1e-12, 1e12, "");
+
+/// Belief about one channel's error ratio: normal, inverse chi-squared (thesis eq. 32-34).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = robot::ChannelPrior)]
+pub struct ChannelPrior {
+    /// Expected ratio.
+    pub mu: f64,
+    /// Samples that the expectation is worth.
+    pub k: f64,
+    /// Degrees of freedom of the variance; above 2 it has an expectation.
+    pub r: f64,
+    /// Sum of squares: r times the variance of the ratio over 100 ms.
+    pub s: f64,
+}
+
+impl Checked for ChannelPrior {
+    fn check(&self, check: &mut Check) {
+        check.number("mu", self.mu, MU);
+        check.number("k", self.k, WEIGHT);
+        check.number("r", self.r, WEIGHT);
+        check.number("s", self.s, SUM_OF_SQUARES);
+    }
+}
+
+impl From<NormalInverseChiSquared> for ChannelPrior {
+    fn from(core: NormalInverseChiSquared) -> Self {
+        Self { mu: core.mu(), k: core.k(), r: core.r(), s: core.s() }
+    }
+}
+
+impl ChannelPrior {
+    fn convert(self) -> Result<NormalInverseChiSquared, ConjugateError> {
+        NormalInverseChiSquared::new(self.mu, self.k, self.r, self.s)
+    }
+}
+
+/// Belief about each channel before any sample. A channel that is left out has the weak default.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = robot::Prior)]
+pub struct Prior {
+    /// Forward error per metre commanded.
+    pub forward: ChannelPrior,
+    /// Lateral error per metre commanded.
+    pub lateral: ChannelPrior,
+    /// Heading error per radian commanded.
+    pub turn: ChannelPrior,
+    /// Heading error in rad per metre commanded; used where `drift` is on.
+    pub drift: ChannelPrior,
+}
+
+impl Default for Prior {
+    fn default() -> Self {
+        settings::Prior::default().into()
+    }
+}
+
+impl Checked for Prior {
+    fn check(&self, check: &mut Check) {
+        check.field("forward", |check| self.forward.check(check));
+        check.field("lateral", |check| self.lateral.check(check));
+        check.field("turn", |check| self.turn.check(check));
+        check.field("drift", |check| self.drift.check(check));
+    }
+}
+
+impl From<settings::Prior> for Prior {
+    fn from(core: settings::Prior) -> Self {
+        Self {
+            forward: core.forward.into(),
+            lateral: core.lateral.into(),
+            turn: core.turn.into(),
+            drift: core.drift.into(),
+        }
+    }
+}
+
+impl Prior {
+    /// The prior in core's terms.
+    pub(super) fn convert(self) -> Result<settings::Prior, ConjugateError> {
+        Ok(settings::Prior {
+            forward: self.forward.convert()?,
+            lateral: self.lateral.convert()?,
+            turn: self.turn.convert()?,
+            drift: self.drift.convert()?,
+        })
+    }
+}

@@ -1,0 +1,236 @@
+//! What is said about a robot once.
+
+use super::{Attribution, Drive, Method, Noise, Predictor, Prior};
+use crate::body;
+use crate::check::{Check, Checked, Range};
+use crate::problem::{Detail, Problems, reason};
+use serde::{Deserialize, Serialize};
+use umwelt_core::controller::settings::{self, Settings};
+use umwelt_core::horizon::{MAX_SLOTS, SLOT};
+use utoipa::ToSchema;
+
+/// As long as the longest horizon; a robot farther away than that cannot be controlled.
+pub const LOOP_DELAY: Range = Range::new(0.0, 2.0, "s");
+/// Longest watchdog: a robot without a link drives on for no more than this.
+pub const WATCHDOG: Range = Range::new(0.0, 5.0, "s");
+/// Shortest watchdog other than 0: below it the jitter of a good link stops the robot.
+pub const MIN_WATCHDOG: f64 = 0.05;
+/// From 10 um to 1 m of standard deviation.
+pub const POSITION_VARIANCE: Range = Range::new(1e-10, 1.0, "m^2");
+/// Up to the variance of a heading that nobody knows.
+pub const HEADING_VARIANCE: Range = Range::new(1e-8, 10.0, "rad^2");
+/// Speeds of the law as of the drive.
+pub const ALPHA: Range = Range::new(1e-3, 10.0, "m/s");
+/// Below 0.1 mm no pose is known; a metre from the waypoint is not at it.
+pub const STOP_RADIUS: Range = Range::new(1e-4, 1.0, "m");
+/// Below 1 mrad no heading is known; beyond a half turn there is none.
+pub const TURN: Range = Range::new(1e-3, std::f64::consts::PI, "rad");
+
+/// Largest predicted variance of a pose at which the robot may move as it likes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = robot::VarianceLimits)]
+pub struct VarianceLimits {
+    /// Of the position, in its worst direction.
+    pub position_m2: f64,
+    /// Of the heading.
+    pub heading_rad2: f64,
+}
+
+impl Default for VarianceLimits {
+    fn default() -> Self {
+        settings::VarianceLimits::default().into()
+    }
+}
+
+impl Checked for VarianceLimits {
+    fn check(&self, check: &mut Check) {
+        check.number("position_m2", self.position_m2, POSITION_VARIANCE);
+        check.number("heading_rad2", self.heading_rad2, HEADING_VARIANCE);
+    }
+}
+
+impl From<settings::VarianceLimits> for VarianceLimits {
+    fn from(core: settings::VarianceLimits) -> Self {
+        Self { position_m2: core.position, heading_rad2: core.heading }
+    }
+}
+
+/// The steering law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = robot::Steering)]
+pub struct Steering {
+    /// Speed of the law on a straight line.
+    pub alpha_m_per_s: f64,
+    /// Distance to the waypoint at which the robot stops.
+    pub stop_radius_m: f64,
+    /// Heading error that is good enough to drive.
+    pub turn_tolerance_rad: f64,
+    /// Heading error at which a driving robot stops to turn in place; above `turn_tolerance_rad`.
+    pub turn_beyond_rad: f64,
+}
+
+impl Default for Steering {
+    fn default() -> Self {
+        settings::SteeringSettings::default().into()
+    }
+}
+
+impl Checked for Steering {
+    fn check(&self, check: &mut Check) {
+        check.number("alpha_m_per_s", self.alpha_m_per_s, ALPHA);
+        check.number("stop_radius_m", self.stop_radius_m, STOP_RADIUS);
+        check.number("turn_tolerance_rad", self.turn_tolerance_rad, TURN);
+        check.number("turn_beyond_rad", self.turn_beyond_rad, TURN);
+        check.agrees(
+            "turn_beyond_rad",
+            self.turn_beyond_rad > self.turn_tolerance_rad,
+            self.turn_beyond_rad,
+            "use more than turn_tolerance_rad",
+        );
+    }
+}
+
+impl From<settings::SteeringSettings> for Steering {
+    fn from(core: settings::SteeringSettings) -> Self {
+        Self {
+            alpha_m_per_s: core.alpha,
+            stop_radius_m: core.stop_radius,
+            turn_tolerance_rad: core.turn_tolerance,
+            turn_beyond_rad: core.turn_beyond,
+        }
+    }
+}
+
+/// What is said about a robot once. Everything may be left out; a response has it all filled in.
+///
+/// ```
+/// use umwelt_api::robot::Spec;
+/// let spec = Spec::read(br#"{"method": "statistic", "drive": {"lag_s": 0.1}}"#)?;
+/// assert_eq!(spec.to_core()?.drive.lag, 0.1);
+///
+/// let problems = Spec::read(br#"{"horizon_slots": 68, "drive": {"lag": 0.1}}"#).unwrap_err();
+/// let fields: Vec<_> = problems.details().iter().map(|detail| detail.field.as_str()).collect();
+/// assert_eq!(fields, ["drive.lag", "horizon_slots"]);
+/// # Ok::<(), umwelt_api::Problems>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = robot::Spec)]
+pub struct Spec {
+    /// Geometry, limits and lag of the drive.
+    pub drive: Drive,
+    /// How well its pose is seen.
+    pub noise: Noise,
+    /// How its environment is identified.
+    pub method: Method,
+    /// What errors are measured against.
+    pub attribution: Attribution,
+    /// Whether the drift channel (heading per metre) is used.
+    pub drift: bool,
+    /// Slots of 30 ms per horizon; 1 is the thesis.
+    pub horizon_slots: usize,
+    /// Nominal time from a pose being taken to its reply being applied.
+    pub loop_delay_s: f64,
+    /// How long the robot holds the last entry of a horizon before it ramps to rest: 0.05 or more,
+    /// or 0 to hold for ever (refused by hardware drives).
+    pub watchdog_s: f64,
+    /// How poses are predicted.
+    pub predictor: Predictor,
+    /// Limits of the predicted variance.
+    pub variance: VarianceLimits,
+    /// The steering law.
+    pub steering: Steering,
+    /// Belief about the floor before any sample.
+    pub prior: Prior,
+}
+
+impl Default for Spec {
+    fn default() -> Self {
+        Self::from(&Settings::default())
+    }
+}
+
+impl Checked for Spec {
+    fn check(&self, check: &mut Check) {
+        check.field("drive", |check| self.drive.check(check));
+        check.field("noise", |check| self.noise.check(check));
+        check.integer("horizon_slots", self.horizon_slots as u64, 1..=MAX_SLOTS as u64);
+        check.number("loop_delay_s", self.loop_delay_s, LOOP_DELAY);
+        check.number("watchdog_s", self.watchdog_s, WATCHDOG);
+        check.agrees(
+            "watchdog_s",
+            !(self.watchdog_s > 0.0 && self.watchdog_s < MIN_WATCHDOG),
+            self.watchdog_s,
+            "use 0.05 s or more, or 0 to hold for ever",
+        );
+        check.field("predictor", |check| self.predictor.check(check));
+        check.field("variance", |check| self.variance.check(check));
+        check.field("steering", |check| self.steering.check(check));
+        check.field("prior", |check| self.prior.check(check));
+    }
+}
+
+impl Spec {
+    /// Reads the body of a PUT.
+    ///
+    /// # Errors
+    /// Every problem of it: unknown fields, values out of range, fields that contradict each other.
+    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+        body::read_shared(json)
+    }
+
+    /// The settings of the controller. Slots are 30 ms long.
+    ///
+    /// # Errors
+    /// Every field that is out of its range or contradicts another.
+    pub fn to_core(&self) -> Result<Settings, Problems> {
+        Check::all(self)?;
+        let prior = self.prior.convert().map_err(|error| {
+            Detail::new(reason::OUT_OF_RANGE, "prior", error.to_string(), "use other numbers")
+        })?;
+        Ok(Settings {
+            drive: self.drive.convert(),
+            noise: self.noise.convert(),
+            method: self.method.into(),
+            prior,
+            attribution: self.attribution.into(),
+            drift: self.drift,
+            slots: self.horizon_slots,
+            slot: SLOT,
+            loop_delay: self.loop_delay_s,
+            watchdog: self.watchdog_s,
+            predictor: self.predictor.convert(),
+            variance: settings::VarianceLimits {
+                position: self.variance.position_m2,
+                heading: self.variance.heading_rad2,
+            },
+            steering: settings::SteeringSettings {
+                alpha: self.steering.alpha_m_per_s,
+                stop_radius: self.steering.stop_radius_m,
+                turn_tolerance: self.steering.turn_tolerance_rad,
+                turn_beyond: self.steering.turn_beyond_rad,
+            },
+        })
+    }
+}
+
+impl From<&Settings> for Spec {
+    fn from(core: &Settings) -> Self {
+        Self {
+            drive: core.drive.into(),
+            noise: core.noise.into(),
+            method: core.method.into(),
+            attribution: core.attribution.into(),
+            drift: core.drift,
+            horizon_slots: core.slots,
+            loop_delay_s: core.loop_delay,
+            watchdog_s: core.watchdog,
+            predictor: core.predictor.into(),
+            variance: core.variance.into(),
+            steering: core.steering.into(),
+            prior: core.prior.into(),
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Stopping and resuming. It acts on the next exchange; the task is kept.
+
+use crate::id::RobotId;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The answer to stopping or resuming one robot.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = stop::Stop)]
+pub struct Stop {
+    /// The robot.
+    pub robot: RobotId,
+    /// Whether it is told to rest now.
+    pub stopped: bool,
+}
+
+/// The answer to stopping or resuming all robots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = stop::StopAll)]
+pub struct StopAll {
+    /// How many robots there are; all of them were told.
+    pub robots: usize,
+    /// Whether they are told to rest now.
+    pub stopped: bool,
+}

@@ -1,0 +1,281 @@
+//! A task: where to go, and how far it has got.
+
+use crate::body;
+use crate::check::{Check, Checked, Range};
+use crate::id::RobotId;
+use crate::number;
+use crate::problem::Problems;
+use serde::{Deserialize, Serialize};
+use umwelt_core::controller::task::{self, MAX_WAYPOINTS};
+use umwelt_core::geometry::Point;
+use utoipa::ToSchema;
+
+/// Largest body of a task in bytes; [`MAX_WAYPOINTS`] with every digit have 66 kB.
+pub const MAX_BODY: usize = 256 * 1024;
+/// Ten kilometres from the origin f64 still resolves picometres, and no floor is larger.
+pub const COORDINATE: Range = Range::new(-1e4, 1e4, "m");
+/// Below 0.1 mm no pose is known; ten metres away is not there.
+pub const TOLERANCE: Range = Range::new(1e-4, 10.0, "m");
+/// More rotations than this teach nothing.
+pub const MAX_ROTATIONS: u64 = 1000;
+/// From barely turning to more than any drive here does in place.
+pub const ROTATION_SPEED: Range = Range::new(0.01, 10.0, "rad/s");
+/// A rotation takes at least one slot and at most a minute.
+pub const ROTATION_TIME: Range = Range::new(0.03, 60.0, "s");
+/// A rest of a minute is not calibration any more.
+pub const PAUSE: Range = Range::new(0.0, 60.0, "s");
+/// The straight part needs room.
+pub const STRAIGHT: Range = Range::new(0.0, 10.0, "m");
+
+/// A place in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = task::Waypoint)]
+pub struct Waypoint {
+    /// World x.
+    pub x_m: f64,
+    /// World y.
+    pub y_m: f64,
+}
+
+impl Checked for Waypoint {
+    fn check(&self, check: &mut Check) {
+        check.number("x_m", self.x_m, COORDINATE);
+        check.number("y_m", self.y_m, COORDINATE);
+    }
+}
+
+/// Motion before a task from which the environment is learned: rotate, rest, repeated, then a straight part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default)]
+#[schema(as = task::Calibration)]
+pub struct Calibration {
+    /// How often the robot rotates and rests, alternately left and right.
+    pub rotations: u32,
+    /// Angular velocity of the rotations.
+    pub angular_rad_per_s: f64,
+    /// Time of each rotation.
+    pub rotate_s: f64,
+    /// Time of each rest.
+    pub pause_s: f64,
+    /// Length of the straight part, driven forward and back; 0 where there is no room.
+    pub straight_m: f64,
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        task::Calibration::default().into()
+    }
+}
+
+impl Checked for Calibration {
+    fn check(&self, check: &mut Check) {
+        check.integer("rotations", self.rotations.into(), 0..=MAX_ROTATIONS);
+        check.number("angular_rad_per_s", self.angular_rad_per_s, ROTATION_SPEED);
+        check.number("rotate_s", self.rotate_s, ROTATION_TIME);
+        check.number("pause_s", self.pause_s, PAUSE);
+        check.number("straight_m", self.straight_m, STRAIGHT);
+    }
+}
+
+impl From<task::Calibration> for Calibration {
+    fn from(core: task::Calibration) -> Self {
+        Self {
+            rotations: core.rotations,
+            angular_rad_per_s: core.angular,
+            rotate_s: core.rotate,
+            pause_s: core.pause,
+            straight_m: core.straight,
+        }
+    }
+}
+
+/// Where to go: waypoints in order, each a stop.
+///
+/// ```
+/// use umwelt_api::task::Spec;
+/// let spec = Spec::read(br#"{"waypoints": [{"x_m": 0.2, "y_m": 0.0}], "calibration": {}}"#)?;
+/// assert_eq!(spec.to_core()?.calibration, Some(Default::default()));
+///
+/// let far = Spec::read(br#"{"waypoints": [{"x_m": 0.2, "y_m": 1e308}]}"#).unwrap_err();
+/// assert_eq!(far.details()[0].field, "waypoints[0].y_m");
+/// # Ok::<(), umwelt_api::Problems>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = task::Spec)]
+pub struct Spec {
+    /// Places to stop at. The first leg leads from where the robot stands to the first of them.
+    pub waypoints: Vec<Waypoint>,
+    /// Distance from a waypoint within which the robot has arrived.
+    #[serde(default = "tolerance")]
+    #[schema(default = tolerance)]
+    pub tolerance_m: f64,
+    /// Whether the robot may drive in reverse toward a waypoint behind it; otherwise it turns to face it.
+    #[serde(default)]
+    #[schema(default = false)]
+    pub reverse: bool,
+    /// Motion before the task; none where it is null or left out, the default motion for `{}`.
+    #[serde(default)]
+    pub calibration: Option<Calibration>,
+}
+
+fn tolerance() -> f64 {
+    task::TOLERANCE
+}
+
+impl Checked for Spec {
+    fn check(&self, check: &mut Check) {
+        check.length("waypoints", self.waypoints.len(), 1..=MAX_WAYPOINTS);
+        check.items("waypoints", &self.waypoints);
+        check.number("tolerance_m", self.tolerance_m, TOLERANCE);
+        if let Some(calibration) = &self.calibration {
+            check.field("calibration", |check| calibration.check(check));
+        }
+    }
+}
+
+impl Spec {
+    /// Reads the body of a PUT.
+    ///
+    /// # Errors
+    /// Every problem of it: unknown fields, values out of range.
+    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+        body::read_shared(json)
+    }
+
+    /// The task in core's terms.
+    ///
+    /// # Errors
+    /// Every field that is out of its range.
+    pub fn to_core(&self) -> Result<task::Task, Problems> {
+        Check::all(self)?;
+        Ok(task::Task {
+            waypoints: self.waypoints.iter().map(|at| Point::new(at.x_m, at.y_m)).collect(),
+            tolerance: self.tolerance_m,
+            reverse: self.reverse,
+            calibration: self.calibration.map(|calibration| task::Calibration {
+                rotations: calibration.rotations,
+                angular: calibration.angular_rad_per_s,
+                rotate: calibration.rotate_s,
+                pause: calibration.pause_s,
+                straight: calibration.straight_m,
+            }),
+        })
+    }
+}
+
+impl From<&task::Task> for Spec {
+    fn from(core: &task::Task) -> Self {
+        Self {
+            waypoints: core.waypoints.iter().map(|at| Waypoint { x_m: at.x, y_m: at.y }).collect(),
+            tolerance_m: core.tolerance,
+            reverse: core.reverse,
+            calibration: core.calibration.map(Calibration::from),
+        }
+    }
+}
+
+/// What a robot is doing about its task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = task::Stage)]
+pub enum Stage {
+    /// No task.
+    Idle,
+    /// Moving to learn the environment before the task.
+    Calibrating,
+    /// Turning in place toward the next waypoint.
+    Turning,
+    /// Driving to the next waypoint.
+    Driving,
+    /// At rest at a waypoint until it has been seen there.
+    Stopping,
+    /// At the last waypoint: the task is done.
+    Arrived,
+}
+
+impl From<task::Stage> for Stage {
+    fn from(core: task::Stage) -> Self {
+        match core {
+            task::Stage::Idle => Self::Idle,
+            task::Stage::Calibrating => Self::Calibrating,
+            task::Stage::Turning => Self::Turning,
+            task::Stage::Driving => Self::Driving,
+            task::Stage::Stopping => Self::Stopping,
+            task::Stage::Arrived => Self::Arrived,
+        }
+    }
+}
+
+impl From<Stage> for task::Stage {
+    fn from(wire: Stage) -> Self {
+        match wire {
+            Stage::Idle => Self::Idle,
+            Stage::Calibrating => Self::Calibrating,
+            Stage::Turning => Self::Turning,
+            Stage::Driving => Self::Driving,
+            Stage::Stopping => Self::Stopping,
+            Stage::Arrived => Self::Arrived,
+        }
+    }
+}
+
+/// How far a task has got.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = task::Progress)]
+pub struct Progress {
+    /// What the robot is doing.
+    pub stage: Stage,
+    /// Index of the waypoint it is heading for; their number once arrived.
+    pub leg: usize,
+    /// Number of waypoints.
+    pub legs: usize,
+    /// Distance of the last accepted pose from the current leg.
+    #[serde(serialize_with = "number::finite")]
+    pub deviation_m: f64,
+    /// Largest such distance since the calibration ended.
+    #[serde(serialize_with = "number::finite")]
+    pub max_deviation_m: f64,
+    /// Time since the calibration ended, until the arrival; 0 before.
+    #[serde(serialize_with = "number::finite")]
+    pub elapsed_s: f64,
+}
+
+impl From<task::Progress> for Progress {
+    fn from(core: task::Progress) -> Self {
+        Self {
+            stage: core.stage.into(),
+            leg: core.leg,
+            legs: core.legs,
+            deviation_m: core.deviation,
+            max_deviation_m: core.max_deviation,
+            elapsed_s: core.elapsed,
+        }
+    }
+}
+
+impl From<Progress> for task::Progress {
+    fn from(wire: Progress) -> Self {
+        Self {
+            stage: wire.stage.into(),
+            leg: wire.leg,
+            legs: wire.legs,
+            deviation: wire.deviation_m,
+            max_deviation: wire.max_deviation_m,
+            elapsed: wire.elapsed_s,
+        }
+    }
+}
+
+/// The task of a robot and how far it has got.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = task::Task)]
+pub struct Task {
+    /// Whose task it is.
+    pub robot: RobotId,
+    /// Where to go, all filled in.
+    pub spec: Spec,
+    /// How far it has got.
+    pub progress: Progress,
+    /// Version of the spec, for `If-Match`.
+    pub etag: String,
+}
