@@ -4,7 +4,7 @@ use crate::actuation::Playing;
 use crate::controller::settings::Attribution;
 use crate::geometry::WheelSpeeds;
 use crate::horizon::{Horizon, SLOT};
-use crate::kinematics::Drive;
+use crate::kinematics::{self, Drive};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -13,6 +13,9 @@ const REMEMBERED: usize = 100;
 
 /// Most reports remembered of what was played.
 const REPORTS: usize = 100;
+
+/// No change between two plans takes longer than this many s: full speed forward to full reverse.
+const LONGEST_SPREAD: f64 = 1.0;
 
 /// A stretch of time for which the robot reported what it played.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,8 +62,24 @@ impl Commands {
         self.sent.back()
     }
 
-    /// Whether what was played from `from` to `to` is known: horizons remembered, no hole in the reports.
-    pub fn is_known(&self, from: f64, to: f64) -> bool {
+    /// Whether what was played from `from` to `to` is known: horizons remembered, no hole in the reports, and no
+    /// jump between two plans that the robot had to spread within its acceleration limits.
+    pub fn is_known(&self, drive: &Drive, from: f64, to: f64) -> bool {
+        let played = |i: usize, time: f64| {
+            let horizon = self.horizon(self.played[i].playing.horizon);
+            let speeds = horizon.map_or(WheelSpeeds::ZERO, |horizon| horizon.at(time, drive));
+            kinematics::forward(drive, speeds)
+        };
+        let since = |i: usize| self.played[i].playing.since;
+        let recent = (1..self.played.len()).rev().take_while(|&i| since(i) > from - LONGEST_SPREAD);
+        let jumps = recent.into_iter().any(|i| {
+            let since = since(i);
+            let spread = drive.change_time(played(i - 1, since - SLOT / 2.0), played(i, since));
+            since < to && since + spread > from && spread > 2.0 * SLOT
+        });
+        if jumps {
+            return false;
+        }
         let Some(first) = self.played.iter().rposition(|played| played.playing.since <= from)
         else {
             return false;
@@ -170,7 +189,7 @@ mod tests {
 
     fn three() -> Commands {
         let mut commands = Commands::default();
-        for (sequence, start, speed) in [(1, 0.0, 1.0), (2, 0.1, 2.0), (3, 0.2, 3.0)] {
+        for (sequence, start, speed) in [(1, 0.0, 1.0), (2, 0.1, 1.2), (3, 0.2, 1.4)] {
             commands.send(&horizon(sequence, start, speed, 20));
         }
         commands
@@ -180,7 +199,7 @@ mod tests {
     fn as_sent_each_horizon_holds_until_the_next_begins() {
         let (commands, drive) = (three(), Drive::default());
         let at = |time| commands.at(Attribution::Sent, &drive, time).left;
-        assert_eq!([at(-0.1), at(0.05), at(0.1), at(0.25)], [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!([at(-0.1), at(0.05), at(0.1), at(0.25)], [0.0, 1.0, 1.2, 1.4]);
         assert_eq!(at(5.0), 0.0, "a robot that hears nothing stops by itself");
     }
 
@@ -191,18 +210,30 @@ mod tests {
         commands.report(Playing { horizon: 1, since: 0.0 }, 0.18);
         commands.report(Playing { horizon: 3, since: 0.22 }, 0.30);
         let at = |time| commands.at(Attribution::Played, &drive, time).left;
-        assert_eq!([at(0.05), at(0.15), at(0.21), at(0.25)], [1.0, 1.0, 1.0, 3.0]);
-        assert!(commands.is_known(0.05, 0.29));
-        assert!(!commands.is_known(0.05, 0.31), "nothing is known past the last report");
-        assert!(!commands.is_known(-0.1, 0.2), "nor before the first");
+        assert_eq!([at(0.05), at(0.15), at(0.21), at(0.25)], [1.0, 1.0, 1.0, 1.4]);
+        assert!(commands.is_known(&drive, 0.05, 0.29));
+        assert!(!commands.is_known(&drive, 0.05, 0.31), "nothing is known past the last report");
+        assert!(!commands.is_known(&drive, -0.1, 0.2), "nor before the first");
     }
 
     #[test]
     fn a_hole_in_the_reports_is_noticed() {
-        let mut commands = three();
+        let (mut commands, drive) = (three(), Drive::default());
         commands.report(Playing { horizon: 1, since: 0.0 }, 0.05);
         commands.report(Playing { horizon: 3, since: 0.22 }, 0.30);
-        assert!(!commands.is_known(0.01, 0.28));
+        assert!(!commands.is_known(&drive, 0.01, 0.28));
+    }
+
+    #[test]
+    fn a_jump_between_plans_is_not_known() {
+        let (mut commands, drive) = (three(), Drive::default());
+        commands.send(&horizon(4, 0.3, 4.0, 20));
+        commands.report(Playing { horizon: 1, since: 0.0 }, 0.28);
+        commands.report(Playing { horizon: 4, since: 0.3 }, 1.0);
+        assert!(commands.is_known(&drive, 0.05, 0.25));
+        assert!(!commands.is_known(&drive, 0.25, 0.5), "0.078 m/s more take 0.26 s");
+        assert!(!commands.is_known(&drive, 0.4, 0.5));
+        assert!(commands.is_known(&drive, 0.7, 0.8));
     }
 
     proptest! {

@@ -261,3 +261,6 @@ fn queue<T>(queue: &mut VecDeque<(f64, T)>, arrival: f64, what: T) {
     let place = queue.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
     queue.insert(place, (arrival, what));
 }
+
+#[cfg(test)]
+mod tests;

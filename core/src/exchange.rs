@@ -78,7 +78,7 @@ pub struct Request {
     pub playing: Option<Playing>,
 }
 
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 struct InFlight {
     sequence: u64,
     connection: u64,
@@ -88,7 +88,7 @@ struct InFlight {
 }
 
 /// The robot's side of the exchange.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Exchange {
     next_sequence: u64,
     connection: u64,

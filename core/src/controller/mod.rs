@@ -261,7 +261,7 @@ impl Controller {
             return Window::new(*end);
         }
         if attribution == Attribution::Played
-            && !self.commands.is_known(start - drive.dead_time, end.taken - drive.dead_time)
+            && !self.commands.is_known(&drive, start - drive.dead_time, end.taken - drive.dead_time)
         {
             return Window::new(*end);
         }
@@ -278,13 +278,10 @@ impl Controller {
     fn follow_task(&mut self, observation: &Observation, events: &mut ArrayVec<Event, 8>) {
         let here = observation.pose.point();
         let Some(task) = &self.task else { return };
-        let Some((from, target)) = self.leg().or_else(|| Some((here, *task.waypoints.first()?)))
-        else {
-            return;
-        };
+        let Some(&target) = task.waypoints.get(self.record.reached) else { return };
         let is_there =
             here.distance(target) <= task.tolerance && self.was_at_rest(observation.taken);
-        let Some(began) = self.record.began else {
+        let (Some(began), Some((from, _))) = (self.record.began, self.leg()) else {
             self.record.begins_there = is_there;
             return;
         };
@@ -541,3 +538,6 @@ impl Track {
         Self { last: observation, wheels, window: Window::new(observation), interval: SLOT }
     }
 }
+
+#[cfg(test)]
+mod tests;

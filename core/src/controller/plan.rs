@@ -252,7 +252,7 @@ impl Roll<'_> {
             return None;
         }
         self.state.phase = Phase::Calibrating { slot: slot + 1 };
-        let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if turn.is_multiple_of(2) { 1.0 } else { -1.0 };
         let rotating = slot % (rotate + pause) < rotate;
         Some(Twist::new(0.0, if rotating { side * calibration.angular } else { 0.0 }))
     }

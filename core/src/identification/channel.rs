@@ -213,7 +213,7 @@ mod tests {
     fn pose_noise_is_not_read_as_slip() {
         let belief = learn(2000, 0.0039, 0.03, 0.0005, 3);
         let sd = belief.posterior().expected_variance().expect("many samples").sqrt();
-        assert!(sd < 0.05, "identified sd {sd}");
+        assert!(sd < 0.08, "identified sd {sd}");
         let naive = belief.statistic().expect("many samples").variance.sqrt();
         assert!(naive > 0.15, "the samples alone show {naive}");
         // Neighbouring windows share a pose: their noise cancels in the sum, the mean is known far better.

@@ -33,7 +33,7 @@ pub struct LinkBelief {
     /// (sequence, time at which its newest pose was taken).
     requests: ArrayVec<(u64, f64), REQUESTS>,
     /// When the last late delivery arrived, in robot time.
-    late_arrival: f64,
+    late_arrival: Option<f64>,
 }
 
 impl Default for LinkBelief {
@@ -47,7 +47,7 @@ impl Default for LinkBelief {
             deliveries: 0,
             late_deliveries: 0,
             requests: ArrayVec::new(),
-            late_arrival: f64::NEG_INFINITY,
+            late_arrival: None,
         }
     }
 }
@@ -71,7 +71,9 @@ impl LinkBelief {
         self.deliveries += 1;
         let asked = self.requests.iter().find(|(sequence, _)| *sequence == delivery.sequence);
         let arrival = asked.map(|(_, taken)| taken + delivery.loop_delay);
-        let held_back = arrival.is_some_and(|at| (at - self.late_arrival).abs() < SAME_INSTANT);
+        let held_back = arrival
+            .zip(self.late_arrival)
+            .is_some_and(|(arrival, late)| (arrival - late).abs() < SAME_INSTANT);
         if held_back {
             return;
         }
@@ -79,7 +81,7 @@ impl LinkBelief {
         self.late = self.late.update(is_late);
         if is_late {
             self.late_deliveries += 1;
-            self.late_arrival = arrival.unwrap_or(f64::NEG_INFINITY);
+            self.late_arrival = arrival;
         } else {
             self.ln_delay = self.ln_delay.update(delay.ln());
         }
@@ -88,7 +90,7 @@ impl LinkBelief {
     /// Forgets times of the robot's clock, keeps what they taught.
     pub fn restart_clock(&mut self) {
         self.requests.clear();
-        self.late_arrival = f64::NEG_INFINITY;
+        self.late_arrival = None;
     }
 
     fn median(&self) -> f64 {

@@ -5,13 +5,13 @@
 
 mod channel;
 pub mod estimate;
+pub mod fixed;
 mod link;
 mod prior;
 mod window;
 
 pub use channel::ChannelBelief;
 pub use link::LinkBelief;
-pub use prior::{FIXED_BAD, FIXED_NORMAL};
 pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};
 
 use crate::controller::settings::{Method, Prior};
@@ -84,10 +84,10 @@ impl Belief {
     fn channel_model(&self, channel: Channel) -> ChannelModel {
         let belief = self.channel(channel);
         match self.method {
-            Method::FixedNormal => prior::fixed(&FIXED_NORMAL, channel),
-            Method::FixedBad => prior::fixed(&FIXED_BAD, channel),
+            Method::FixedNormal => fixed::channel(&fixed::FIXED_NORMAL, channel),
+            Method::FixedBad => fixed::channel(&fixed::FIXED_BAD, channel),
             Method::Statistic => {
-                belief.statistic().unwrap_or_else(|| prior::fixed(&FIXED_NORMAL, channel))
+                belief.statistic().unwrap_or_else(|| fixed::channel(&fixed::FIXED_NORMAL, channel))
             }
             Method::Bayesian => ChannelModel::believed(belief.posterior()),
         }
@@ -142,7 +142,8 @@ mod tests {
 
     #[test]
     fn fixed_methods_never_learn() {
-        for (method, fixed) in [(Method::FixedNormal, FIXED_NORMAL), (Method::FixedBad, FIXED_BAD)]
+        for (method, fixed) in
+            [(Method::FixedNormal, fixed::FIXED_NORMAL), (Method::FixedBad, fixed::FIXED_BAD)]
         {
             let model = learned(method, &[0.5; 50]).model();
             assert_eq!((model.forward.mean, model.forward.variance), fixed[0]);
@@ -152,7 +153,7 @@ mod tests {
     #[test]
     fn statistic_uses_samples_only_from_two_on() {
         let one = learned(Method::Statistic, &[0.2]).model().forward;
-        assert_eq!((one.mean, one.variance), FIXED_NORMAL[0]);
+        assert_eq!((one.mean, one.variance), fixed::FIXED_NORMAL[0]);
         let two = learned(Method::Statistic, &[0.2, 0.4]).model().forward;
         assert!((two.mean - 0.3).abs() < 1e-12);
         // sigma^2 of 100 ms from windows of weight 1.2: sum of 1.2 (x - mean)^2 over n - 1.

@@ -20,6 +20,9 @@ const NOISE_SHARE: f64 = 0.1;
 /// Largest change of speed within a window, relative to its mean: "nearly equal" of thesis eq. 30.
 const CONSTANT: f64 = 0.2;
 
+/// Below this part of the smallest speeds a window counts as rest: what a lag leaves over.
+const STANDSTILL: f64 = 0.1;
+
 /// The motion that commands alone would make, with the actuator's lag, since the window's first pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Window {
@@ -33,8 +36,8 @@ pub struct Window {
     /// Integrals of v^2 and omega^2 over time.
     length_power: f64,
     turn_power: f64,
-    slowest: Twist,
-    fastest: Twist,
+    /// Slowest and fastest speeds, component by component; none in an empty window.
+    range: Option<(Twist, Twist)>,
 }
 
 /// One error ratio from one window.
@@ -79,8 +82,7 @@ impl Window {
             turn: 0.0,
             length_power: 0.0,
             turn_power: 0.0,
-            slowest: Twist::new(f64::INFINITY, f64::INFINITY),
-            fastest: Twist::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
+            range: None,
         }
     }
 
@@ -94,10 +96,11 @@ impl Window {
         self.turn += turn;
         self.length_power += twist.linear * length;
         self.turn_power += twist.angular * turn;
-        self.slowest.linear = self.slowest.linear.min(twist.linear);
-        self.slowest.angular = self.slowest.angular.min(twist.angular);
-        self.fastest.linear = self.fastest.linear.max(twist.linear);
-        self.fastest.angular = self.fastest.angular.max(twist.angular);
+        let (slowest, fastest) = self.range.unwrap_or((twist, twist));
+        let range = |pick: fn(f64, f64) -> f64, so_far: Twist| {
+            Twist::new(pick(so_far.linear, twist.linear), pick(so_far.angular, twist.angular))
+        };
+        self.range = Some((range(f64::min, slowest), range(f64::max, fastest)));
     }
 
     /// The motion that the commands alone make from the window's start.
@@ -107,12 +110,14 @@ impl Window {
 
     /// What the window is worth with the pose `end`, to which its motion has been added.
     pub fn verdict(&self, drive: &Drive, noise: PoseNoise, end: &Observation) -> Verdict {
-        let moved = self.moved(drive);
-        if self.is_rest(drive) {
+        let Some((slowest, fastest)) = self.range else { return Verdict::Rest };
+        let linear = slowest.linear.abs().max(fastest.linear.abs());
+        let angular = slowest.angular.abs().max(fastest.angular.abs());
+        if linear < STANDSTILL * drive.min_linear && angular < STANDSTILL * drive.min_angular {
             return Verdict::Rest;
         }
-        let drives = steady(self.slowest.linear, self.fastest.linear, drive.min_linear);
-        let turns = steady(self.slowest.angular, self.fastest.angular, drive.min_angular);
+        let drives = steady(slowest.linear, fastest.linear, drive.min_linear);
+        let turns = steady(slowest.angular, fastest.angular, drive.min_angular);
         if !drives && !turns {
             return Verdict::Rejected;
         }
@@ -124,19 +129,7 @@ impl Window {
         if slots < WINDOW_SLOTS || (too_small && slots < MAX_WINDOW_SLOTS) {
             return Verdict::Open;
         }
-        debug_assert!(moved);
         Verdict::Closed(self.samples(noise, end, drives, turns))
-    }
-
-    /// Whether nothing in the window was commanded to move.
-    fn is_rest(&self, drive: &Drive) -> bool {
-        !self.moved(drive)
-    }
-
-    fn moved(&self, drive: &Drive) -> bool {
-        let linear = self.slowest.linear.abs().max(self.fastest.linear.abs());
-        let angular = self.slowest.angular.abs().max(self.fastest.angular.abs());
-        linear > 0.1 * drive.min_linear || angular > 0.1 * drive.min_angular
     }
 
     fn samples(&self, noise: PoseNoise, end: &Observation, drives: bool, turns: bool) -> Samples {

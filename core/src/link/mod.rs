@@ -16,8 +16,7 @@ pub use trace::{MAX_TRACE_ROWS, RttTrace, TRACE_HEADER, TraceError, parse_trace}
 
 use serde::{Deserialize, Serialize};
 
-/// Length of a slot in s: one control cycle (thesis table 1).
-pub const SLOT: f64 = 0.03;
+use crate::horizon::SLOT;
 
 /// Longest delay or silence in s that a model may ask for; five times the worst ever recorded.
 pub const LONGEST_DELAY: f64 = 60.0;
@@ -45,14 +44,14 @@ pub const PRESETS: [&str; 4] = ["clean", "normal", "bad", "wifi-bursty"];
 /// The standard normal quantile of 99 %.
 const Z_99: f64 = 2.326_347_874_040_841;
 
-/// The ordinary round-trip time. Each direction takes half of it, drawn by itself.
+/// The ordinary round-trip time, shared by the two directions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rtt {
     /// The same RTT in s for every packet.
     Constant(f64),
-    /// An RTT whose logarithm is normal. Half of one draw is a direction's delay, so one direction has exactly half
-    /// the quantiles, and a round trip of two draws a slightly greater median and a smaller 99 % (averaging).
+    /// An RTT whose logarithm is normal: the sum of two independent delays, one per direction, chosen so that the
+    /// round trip has these quantiles (to a few percent for heavy tails).
     Lognormal {
         /// Median in s.
         median: f64,
@@ -194,8 +193,7 @@ impl LinkModel {
     /// The link called `name`, one of [`PRESETS`]; all are in order with a sensor delay of 130 ms.
     ///
     /// * `clean`: RTT 2 ms, the local network of a laboratory.
-    /// * `normal`: RTT of median 40 ms and 99 % 100 ms (the thesis's: mostly below 100 ms), half of it drawn for each
-    ///   direction; a round trip of two halves measures 41.5 and 80.5 ms.
+    /// * `normal`: RTT of median 40 ms and 99 % 100 ms (the thesis's: mostly below 100 ms).
     /// * `bad`: `normal` plus 400 ms with probability 5 % per downlink slot.
     /// * `wifi-bursty`: RTT of median 5 ms and 99 % 60 ms; 0.5 % of the slots late by 400 ms, 30 % after a late one
     ///   (the recordings: base rate 0.005-0.1, 0.1-0.4 after a late one); a silence of 0.5 to 12 s, 1.7 s in the mean,

@@ -55,8 +55,8 @@ pub struct Link {
     down: Direction,
     /// The latest downlink slot looked at and whether it is late: the answer is the same without it, but later.
     late: Option<(i64, bool)>,
-    /// Derived: logarithm of the RTT's spread, 0 unless lognormal.
-    sigma: f64,
+    /// Derived: median in s and spread of the logarithm of one direction's delay; unused unless lognormal.
+    one_way: (f64, f64),
     /// Derived: probability of a late slot after one on time.
     after_on_time: f64,
 }
@@ -87,17 +87,27 @@ impl TryFrom<Stored> for Link {
     }
 }
 
+/// Median and spread of the logarithm of one of two independent lognormal delays whose sum has the given quantiles.
+///
+/// Fenton 1960: the sum is taken as lognormal with its own mean and variance. With s^2 the variance of the sum's
+/// logarithm, one delay's is ln(1 + 2 (e^(s^2) - 1)), and half the sum's mean is one delay's.
+fn halved(median: f64, p99: f64) -> (f64, f64) {
+    let of_sum = ((p99 / median).ln() / Z_99).powi(2);
+    let of_one = (2.0 * of_sum.exp_m1()).ln_1p();
+    (median / 2.0 * ((of_sum - of_one) / 2.0).exp(), of_one.sqrt())
+}
+
 impl Link {
     /// A link that has carried nothing yet.
     pub fn new(model: LinkModel, seed: u64) -> Result<Self, LinkError> {
         model.validate()?;
-        let sigma = match model.rtt {
-            Rtt::Lognormal { median, p99 } => (p99 / median).ln() / Z_99,
-            _ => 0.0,
+        let one_way = match model.rtt {
+            Rtt::Lognormal { median, p99 } => halved(median, p99),
+            _ => (0.0, 0.0),
         };
         let after_on_time = model.late.after_on_time();
         let (up, down) = (Direction::NEW, Direction::NEW);
-        Ok(Self { model, seed, up, down, late: None, sigma, after_on_time })
+        Ok(Self { model, seed, up, down, late: None, one_way, after_on_time })
     }
 
     /// What the link is like.
@@ -137,16 +147,16 @@ impl Link {
         arrival
     }
 
-    /// Half of the RTT of `slot`, in s.
+    /// One direction's share of the RTT of `slot`, in s.
     fn ordinary_delay(&self, stream: Stream, now: f64, slot: i64) -> f64 {
-        let rtt = match &self.model.rtt {
-            Rtt::Constant(rtt) => *rtt,
-            Rtt::Lognormal { median, .. } => {
-                median * (self.sigma * SlotDraws::new(self.seed, stream, slot).normal()).exp()
+        match &self.model.rtt {
+            Rtt::Constant(rtt) => rtt / 2.0,
+            Rtt::Lognormal { .. } => {
+                let (median, sigma) = self.one_way;
+                median * (sigma * SlotDraws::new(self.seed, stream, slot).normal()).exp()
             }
-            Rtt::Trace(trace) => trace.at(now),
-        };
-        rtt / 2.0
+            Rtt::Trace(trace) => trace.at(now) / 2.0,
+        }
     }
 
     /// Whether the downlink `slot` is late.

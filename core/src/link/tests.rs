@@ -35,21 +35,23 @@ fn every_preset_is_valid_and_in_order_with_the_sensor_delay_of_the_thesis() {
     }
 }
 
+/// A round trip is the sum of two draws; its quantiles are those of the preset to the accuracy of Fenton's sum.
 #[test]
 fn presets_have_the_median_and_the_99_percent_quantile_they_say() {
-    let n = 200_000;
-    let cases = [("normal", 0.04, 0.1), ("bad", 0.04, 0.1), ("wifi-bursty", 0.005, 0.06)];
-    for (name, median, p99) in cases {
-        let model = preset(name);
+    let n = 100_000;
+    for (name, median, p99) in [("normal", 0.04, 0.1), ("wifi-bursty", 0.005, 0.06)] {
+        let model = LinkModel { late: LatePackets::NONE, silences: Silences::NONE, ..preset(name) };
         let mut up = link(&LinkModel { in_order: false, ..model.clone() }, 3);
-        let up: Vec<_> = (0..n).filter_map(|i| up.uplink(time(i)).map(|at| at - time(i))).collect();
-        let down = unordered_delays(model.clone(), n, 3);
-        for (delays, late) in [(up, 0.0), (down, model.late.probability)] {
-            for (quantile, rtt) in [(0.5, median), (0.99, p99)] {
-                let below = delays.iter().filter(|&&d| d <= rtt / 2.0).count();
-                let (share, want) = (below as f64 / delays.len() as f64, quantile * (1.0 - late));
-                assert!((share - want).abs() < tolerance(want, n), "{name} {quantile} {share}");
-            }
+        let down = unordered_delays(model, n, 3);
+        let mut round: Vec<f64> = (0..n)
+            .map(|i| up.uplink(time(i)).expect("nothing is lost") - time(i) + down[i])
+            .collect();
+        round.sort_by(f64::total_cmp);
+        for (quantile, expected) in [(0.5, median), (0.99, p99)] {
+            let measured = round[(n as f64 * quantile) as usize];
+            let allowed = if name == "normal" { 0.05 } else { 0.25 };
+            let off = measured / expected - 1.0;
+            assert!(off.abs() < allowed, "{name} {quantile}: {measured} s instead of {expected} s");
         }
     }
     assert!(unordered_delays(preset("clean"), 100, 3).iter().all(|d| (d - 0.001).abs() < 1e-12));
