@@ -4,6 +4,7 @@
 //! state can be stored and restored; the same state and requests give the same horizons.
 
 mod plan;
+mod record;
 pub mod settings;
 pub mod task;
 
@@ -17,6 +18,7 @@ use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Motion, Prediction};
 use arrayvec::ArrayVec;
 use plan::{Phase, Plan, REST_SLOTS, Start};
+use record::Record;
 use serde::{Deserialize, Serialize};
 use settings::{Attribution, PredictorKind, Settings};
 use task::{Progress, Stage, Task};
@@ -90,24 +92,6 @@ struct Track {
 struct Doubt {
     last: Observation,
     count: u32,
-}
-
-/// How far the task has got, as observed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Record {
-    /// Waypoints at which the robot was seen at rest.
-    reached: usize,
-    /// Whether the robot was last seen at rest at the first waypoint before the task began.
-    begins_there: bool,
-    /// Where the task began, once it did.
-    origin: Option<Point>,
-    /// Robot time in s since when the task counts.
-    began: Option<f64>,
-    /// When the plan in force left the waypoint that is to be confirmed next.
-    left: Option<f64>,
-    deviation: f64,
-    max_deviation: f64,
-    elapsed: f64,
 }
 
 /// The controller of one robot.
@@ -274,38 +258,14 @@ impl Controller {
         Window::new(*end)
     }
 
-    /// Follows the task as observed: deviation, waypoints reached, waypoints left without having been reached.
+    /// Follows the task as observed.
     fn follow_task(&mut self, observation: &Observation, events: &mut ArrayVec<Event, 8>) {
-        let here = observation.pose.point();
         let Some(task) = &self.task else { return };
-        let Some(&target) = task.waypoints.get(self.record.reached) else { return };
-        let is_there =
-            here.distance(target) <= task.tolerance && self.was_at_rest(observation.taken);
-        let (Some(began), Some((from, _))) = (self.record.began, self.leg()) else {
-            self.record.begins_there = is_there;
-            return;
-        };
-        if observation.taken < began {
-            return;
-        }
-        self.record.deviation = here.distance_to_segment(from, target);
-        self.record.max_deviation = self.record.max_deviation.max(self.record.deviation);
-        self.record.elapsed = observation.taken - began;
-        if is_there {
-            let leg = self.record.reached;
-            let is_last = leg + 1 == task.waypoints.len();
-            self.record.reached += 1;
-            self.record.left = None;
-            let _ = events.try_push(Event::WaypointReached { leg });
-            if is_last {
-                self.phase = Phase::Arrived;
-                self.plan = None;
-                let _ = events.try_push(Event::Arrived);
-            }
-        } else if self.record.left.is_some_and(|left| observation.taken > left + SLOT) {
-            // The plan went on although the robot was not seen at the waypoint: back to it.
-            self.record.left = None;
-            self.phase = Phase::Turning { leg: self.record.reached, side: 0 };
+        let Some(target) = self.record.target(task) else { return };
+        let is_near = observation.pose.point().distance(target) <= task.tolerance;
+        let is_there = is_near && self.was_at_rest(observation.taken);
+        if let Some(phase) = self.record.observe(task, observation, is_there, events) {
+            self.phase = phase;
             self.plan = None;
         }
     }
@@ -367,25 +327,9 @@ impl Controller {
         track: &Track,
         events: &mut ArrayVec<Event, 8>,
     ) {
-        let slot = self.settings.slot;
+        let (slot, here) = (self.settings.slot, track.last.pose.point());
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
-        let mut passed = |phase: Phase, time: f64| {
-            let Some(leg) = phase.leg() else { return };
-            if self.record.began.is_none() {
-                self.record.began = Some(time - self.record.elapsed);
-                if self.record.origin.is_none() {
-                    self.record.origin = Some(track.last.pose.point());
-                    let _ = events.try_push(Event::CalibrationEnded);
-                    if self.record.begins_there && legs > 1 {
-                        self.record.reached = 1;
-                        let _ = events.try_push(Event::WaypointReached { leg: 0 });
-                    }
-                }
-            }
-            if leg > self.record.reached && self.record.left.is_none() {
-                self.record.left = Some(time);
-            }
-        };
+        let mut passed = |phase, time| self.record.pass(phase, time, here, legs, events);
         if let Some(plan) = &self.plan {
             // After a stall several slots have passed, and with them perhaps several phases.
             let slots = ((start - old_start) / slot + 1e-6).floor().max(0.0) as usize;
@@ -469,9 +413,7 @@ impl Controller {
         self.doubt = None;
         self.plan = None;
         self.phase = self.phase.resumed();
-        self.record.left = None;
-        // Time goes on from what has elapsed, once the new clock is known.
-        self.record.began = None;
+        self.record.restart_clock();
     }
 
     /// Back to the prior.
@@ -503,18 +445,14 @@ impl Controller {
 
     /// The segment of the current leg, once the task has begun and until it is done.
     pub fn leg(&self) -> Option<(Point, Point)> {
-        let (task, origin) = (self.task.as_ref()?, self.record.origin?);
-        let reached = self.record.reached;
-        let to = *task.waypoints.get(reached)?;
-        Some((if reached == 0 { origin } else { task.waypoints[reached - 1] }, to))
+        self.record.leg(self.task.as_ref()?)
     }
 
     /// How far the task has got.
     pub fn progress(&self) -> Progress {
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
-        let Record { reached, deviation, max_deviation, elapsed, .. } = self.record;
         let stage = if legs == 0 { Stage::Idle } else { self.phase.stage() };
-        Progress { stage, leg: reached, legs, deviation, max_deviation, elapsed }
+        self.record.progress(stage, legs)
     }
 
     /// The identified environment.
