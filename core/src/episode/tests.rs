@@ -151,8 +151,8 @@ fn the_link_is_identified() {
     };
     let estimate = scenario(link, Slip::HARD, 20).run(2).expect("valid").environment.link;
     assert!((estimate.median.expect("seen") - 0.17).abs() < 0.01, "{estimate:?}");
-    // About one packet in twenty, of those that were not held back behind another late one.
-    assert!((0.03..0.12).contains(&estimate.late_probability), "{estimate:?}");
+    // One packet in twenty of some 800: 4 sd are 3 %.
+    assert!((0.02..0.08).contains(&estimate.late_probability), "{estimate:?}");
     assert!(estimate.chance_of_luck < 1e-6);
 }
 
