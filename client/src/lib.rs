@@ -1,1 +1,26 @@
-//! placeholder
+//! The typed client of Umwelt, and the command line `umwelt` on top of it.
+//!
+//! * [`Client`]: one async method per route of the contract, in the types of [`umwelt_api`].
+//! * [`Client::events`]: what happens, as a stream that reconnects by itself.
+//! * [`StepConnection`]: the hot path, for the agent on the robot.
+//! * [`cli`]: the command line, of which the program is a thin `main`.
+//!
+//! Architecture invariant: the only crate that knows reqwest; it imports nothing of the server.
+
+mod address;
+mod call;
+pub mod cli;
+mod client;
+mod error;
+mod events;
+mod retry;
+mod sse;
+mod step;
+#[cfg(test)]
+mod test_server;
+
+pub use client::{Client, DEADLINE};
+pub use error::{Error, Failure};
+pub use events::{Events, SILENCE};
+pub use step::{STEP_DEADLINE, StepConnection};
+pub use umwelt_api as api;

@@ -1,0 +1,178 @@
+//! The command line `umwelt`: one module per noun.
+//!
+//! Results go to standard output, everything else to standard error. Exit status: 0; 1 where it failed; 2 where the
+//! call was wrong. Nothing of it knows HTTP: it asks [`Client`].
+
+mod environment;
+mod events;
+mod failure;
+mod input;
+mod output;
+mod progress;
+mod quantity;
+mod robot;
+mod stop;
+mod table;
+mod task;
+
+use crate::client::Client;
+use clap::{Parser, Subcommand};
+use failure::Failure;
+use output::Output;
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  umwelt robot add rover-7 --wheel-radius 0.021 --track-width 0.1
+  umwelt task set rover-7 --waypoint 0.2,0 --waypoint 0,-0.1 --watch
+  umwelt environment show rover-7
+  umwelt stop --all
+  umwelt --json robot list --state lost | jq -r '.robots[].robot'
+
+Exit status: 0, 1 if it failed, 2 if the call was wrong.";
+
+/// Drive robots over bad links: describe them, give them tasks, see what was learned of floor and link.
+#[derive(Debug, Parser)]
+#[command(name = "umwelt", version, after_help = EXAMPLES, arg_required_else_help = true)]
+struct Cli {
+    /// Address of the server
+    #[arg(
+        long,
+        global = true,
+        env = "UMWELT_SERVER",
+        default_value = "http://127.0.0.1:8080",
+        value_name = "URL"
+    )]
+    server: String,
+    /// Write JSON: one document, or one line per event where something is watched
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Describe, list, show and remove robots
+    #[command(subcommand)]
+    Robot(robot::Command),
+    /// Send a robot somewhere, and see how far it has got
+    #[command(subcommand)]
+    Task(task::Command),
+    /// Show what was learned of the floor and the link of a robot
+    #[command(subcommand)]
+    Environment(environment::Command),
+    /// Stop a robot, or all, until resumed
+    Stop(stop::Which),
+    /// Let a stopped robot, or all, go on
+    Resume(stop::Which),
+    /// Follow what happens to a robot, or to all
+    Events(events::Follow),
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let Cli { server, json, command } = Cli::parse();
+    let runtime = match tokio::runtime::Builder::new_current_thread().enable_all().build() {
+        Ok(runtime) => runtime,
+        Err(error) => return Failure::Failed(format!("cannot start: {error}")).report(),
+    };
+    let mut output = Output::standard(json);
+    match runtime.block_on(run(&server, command, &mut output)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+async fn run(server: &str, command: Command, output: &mut Output) -> Result<(), Failure> {
+    let client = Client::new(server)?;
+    match command {
+        Command::Robot(command) => command.run(&client, output).await,
+        Command::Task(command) => command.run(&client, output).await,
+        Command::Environment(command) => command.run(&client, output).await,
+        Command::Stop(which) => which.run(&client, output, true).await,
+        Command::Resume(which) => which.run(&client, output, false).await,
+        Command::Events(follow) => follow.run(&client, output).await,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn server_and_json_may_stand_anywhere() {
+        for line in [
+            "umwelt --json --server http://h robot list",
+            "umwelt robot list --server http://h --json",
+        ] {
+            let cli = Cli::try_parse_from(line.split(' ')).unwrap();
+            assert_eq!((cli.json, cli.server.as_str()), (true, "http://h"), "{line}");
+        }
+    }
+
+    #[test]
+    fn wrong_calls_are_told_from_failures() {
+        for line in [
+            "umwelt robot show Rover",
+            "umwelt robot list --state gone",
+            "umwelt robot add a --method guess",
+            "umwelt robot add a --slots many",
+            "umwelt task set a",
+            "umwelt task set a --waypoint 1",
+            "umwelt task set a --waypoint 0,0 --no-calibration --calibration-straight 1",
+            "umwelt stop",
+            "umwelt stop a --all",
+            "umwelt events --type nothing",
+        ] {
+            let error = Cli::try_parse_from(line.split(' ')).expect_err(line);
+            assert_eq!(error.exit_code(), 2, "{line}");
+        }
+    }
+
+    /// What `umwelt` does with these arguments and no server.
+    async fn failure(line: &str) -> Failure {
+        let cli = Cli::try_parse_from(line.split(' ')).expect(line);
+        run(&cli.server, cli.command, &mut Output::nowhere()).await.expect_err(line)
+    }
+
+    #[tokio::test]
+    async fn bad_local_input_is_a_wrong_call() {
+        for line in [
+            "umwelt --server nonsense robot list",
+            "umwelt --server https://h robot list",
+            "umwelt robot add a --file /nonexistent/spec.json",
+            "umwelt robot add a --file /",
+            "umwelt task set a --file /nonexistent/task.json",
+            "umwelt robot add a --lag -1",
+            "umwelt robot add a --slots 0",
+            "umwelt task set a --waypoint 1e9,0",
+            "umwelt task set a --waypoint 0,0 --tolerance -1",
+        ] {
+            let failure = failure(line).await;
+            assert!(matches!(failure, Failure::Wrong(_)), "{line}: {failure:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_server_that_is_not_there_is_a_failure() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        drop(listener);
+        let Failure::Failed(text) =
+            failure(&format!("umwelt --server http://{address} robot list")).await
+        else {
+            panic!("it is no wrong call");
+        };
+        assert!(
+            text.contains("no server reached") && text.contains(&address.to_string()),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,88 @@
+//! Standard output: results, for people or as JSON. Nothing else writes there.
+
+use super::failure::Failure;
+use serde::Serialize;
+use std::io::{self, IsTerminal, Write};
+
+/// Where results go.
+pub(super) struct Output {
+    json: bool,
+    /// Lines that the next picture replaces: those of the last one, on a terminal.
+    replaced: usize,
+    terminal: bool,
+    to: Box<dyn Write>,
+}
+
+impl Output {
+    /// Standard output.
+    pub(super) fn standard(json: bool) -> Self {
+        let to = io::stdout();
+        Self { json, replaced: 0, terminal: to.is_terminal(), to: Box::new(to) }
+    }
+
+    #[cfg(test)]
+    pub(super) fn nowhere() -> Self {
+        Self { json: false, replaced: 0, terminal: false, to: Box::new(io::sink()) }
+    }
+
+    /// Writes the one result of a command.
+    pub(super) fn result<T: Serialize>(
+        &mut self,
+        result: &T,
+        text: impl FnOnce(&T) -> String,
+    ) -> Result<(), Failure> {
+        let text =
+            if self.json { json(serde_json::to_string_pretty(result))? } else { text(result) };
+        self.write(&text)
+    }
+
+    /// Writes one of many results: a line of JSON, or text below the last.
+    pub(super) fn line<T: Serialize>(
+        &mut self,
+        result: &T,
+        text: impl FnOnce(&T) -> String,
+    ) -> Result<(), Failure> {
+        let text = if self.json { json(serde_json::to_string(result))? } else { text(result) };
+        self.write(&text)
+    }
+
+    /// Writes one of many results where it is JSON; people see it on the status line.
+    pub(super) fn json_line<T: Serialize>(&mut self, result: &T) -> Result<(), Failure> {
+        if self.json { self.line(result, |_| String::new()) } else { Ok(()) }
+    }
+
+    /// Writes the newest state of something: a line of JSON, or text in the place of the last on a terminal.
+    pub(super) fn picture<T: Serialize>(
+        &mut self,
+        result: &T,
+        text: impl FnOnce(&T) -> String,
+    ) -> Result<(), Failure> {
+        if self.json {
+            return self.line(result, text);
+        }
+        let mut text = text(result);
+        if self.terminal {
+            let lines = text.lines().count();
+            if self.replaced > 0 {
+                // Up to where the last picture begins, and away with it.
+                text.insert_str(0, &format!("\x1b[{}F\x1b[J", self.replaced));
+            }
+            self.replaced = lines;
+        } else {
+            // A blank line between two in a log.
+            text = format!("{}\n\n", text.trim_end());
+        }
+        self.write(&text)
+    }
+
+    fn write(&mut self, text: &str) -> Result<(), Failure> {
+        let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+        write!(self.to, "{text}{end}")?;
+        self.to.flush()?;
+        Ok(())
+    }
+}
+
+fn json(text: serde_json::Result<String>) -> Result<String, Failure> {
+    text.map_err(|error| Failure::Failed(format!("the result cannot be said in JSON: {error}")))
+}

@@ -1,0 +1,349 @@
+//! The typed client: one method per route.
+
+use crate::address::Address;
+use crate::call::{self, Call};
+use crate::error::Error;
+use crate::retry::{MAX_RETRIES, Unavailable};
+use crate::step::StepConnection;
+use bytes::Bytes;
+use futures_util::stream::{self, BoxStream, StreamExt, TryStreamExt};
+use reqwest::{Method, Url, redirect};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::sync::Arc;
+use std::time::Duration;
+use tower::retry::RetryLayer;
+use tower::util::BoxCloneSyncService;
+use tower::{Service, ServiceBuilder, ServiceExt};
+use umwelt_api::RobotId;
+use umwelt_api::environment::Environment;
+use umwelt_api::health::Health;
+use umwelt_api::robot::{self, MAX_PAGE_SIZE, Page, PageQuery, Robot};
+use umwelt_api::stop::{Stop, StopAll};
+use umwelt_api::task::{self, Task};
+
+/// Time for a call with its retries: a bad link's worst silence of 12 s is not waited out, a person asks again.
+pub const DEADLINE: Duration = Duration::from_secs(10);
+
+/// Below the deadline, so that a host that does not answer is told apart from a slow answer.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(4);
+
+/// An Umwelt server, as seen from here. Cheap to clone; clones share their connections.
+///
+/// Calls that the server refuses as UNAVAILABLE are sent again, within the deadline and its `Retry-After`; nothing
+/// else ever is. Every call takes at most [`DEADLINE`] or what [`Client::within`] says.
+///
+/// ```no_run
+/// # async fn example() -> Result<(), Box<dyn std::error::Error>> {
+/// use umwelt_api::robot::Spec;
+/// let client = umwelt_client::Client::new("http://127.0.0.1:8080")?;
+/// let rover = client.put_robot(&"rover-7".parse()?, &Spec::default()).await?;
+/// println!("{} is {:?}", rover.robot, rover.state);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Client {
+    address: Address,
+    allowed: Duration,
+    if_match: Option<Arc<str>>,
+    http: reqwest::Client,
+    calls: Calls,
+}
+
+/// The stack: built and boxed once, because every layer in its type is paid for at every call site.
+type Calls = BoxCloneSyncService<Call, Bytes, Error>;
+
+/// Retry over one attempt. Each attempt ends at the deadline of the call, which all of them share.
+pub(crate) fn stack<S>(attempt: S) -> Calls
+where
+    S: Service<Call, Response = Bytes, Error = Error> + Clone + Send + Sync + 'static,
+    S::Future: Send,
+{
+    let retried =
+        ServiceBuilder::new().layer(RetryLayer::new(Unavailable::default())).service(attempt);
+    BoxCloneSyncService::new(retried)
+}
+
+/// What all connections have in common: no delay for small packets, no proxy between a robot and its server, no
+/// redirect (it would turn PUT into GET), no retry below ours.
+pub(crate) fn http(builder: reqwest::ClientBuilder) -> reqwest::Client {
+    let client = builder
+        .tcp_nodelay(true)
+        .connect_timeout(CONNECT_TIMEOUT)
+        .no_proxy()
+        .redirect(redirect::Policy::none())
+        .retry(reqwest::retry::never())
+        .build();
+    client.expect("only TLS and name resolvers can fail here, and neither is asked for")
+}
+
+impl Client {
+    /// A client of the server at `base_url`, as `http://127.0.0.1:8080`. Nothing is sent yet.
+    ///
+    /// # Errors
+    /// [`Error::BadCall`] where `base_url` is no such address.
+    pub fn new(base_url: &str) -> Result<Self, Error> {
+        let http = http(reqwest::Client::builder());
+        let attempt = {
+            let http = http.clone();
+            tower::service_fn(move |call| call::send(http.clone(), call))
+        };
+        let address = Address::read(base_url)?;
+        Ok(Self { address, allowed: DEADLINE, if_match: None, http, calls: stack(attempt) })
+    }
+
+    /// The same client with another deadline for its calls.
+    pub fn within(&self, deadline: Duration) -> Self {
+        Self { allowed: deadline, ..self.clone() }
+    }
+
+    /// The same client, whose PUTs and DELETEs are done only if the resource still has this etag; ABORTED otherwise.
+    pub fn if_match(&self, etag: &str) -> Self {
+        Self { if_match: Some(etag.into()), ..self.clone() }
+    }
+
+    /// A connection for steps. It is opened by the first step and shared with nothing else.
+    pub fn step_connection(&self) -> StepConnection {
+        StepConnection::new(self.address.clone())
+    }
+
+    /// Describes a robot, for the first time or anew.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn put_robot(&self, robot: &RobotId, spec: &robot::Spec) -> Result<Robot, Error> {
+        self.put(self.robot(robot, &[]), spec).await
+    }
+
+    /// The robot as it is now.
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn get_robot(&self, robot: &RobotId) -> Result<Robot, Error> {
+        self.get(self.robot(robot, &[])).await
+    }
+
+    /// Removes a robot with its task and what was learned.
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn delete_robot(&self, robot: &RobotId) -> Result<(), Error> {
+        self.delete(self.robot(robot, &[])).await
+    }
+
+    /// One page of the robots, in the order of their ids. [`Client::robots`] walks over all pages.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn list_robots(&self, query: &PageQuery) -> Result<Page, Error> {
+        let mut url = self.at(&["v1", "robots"]);
+        add_query(&mut url, query);
+        self.get(url).await
+    }
+
+    /// All robots, or those in one state, in the order of their ids. Pages are asked for as they are needed; an
+    /// error ends the stream.
+    pub fn robots(&self, state: Option<robot::State>) -> BoxStream<'static, Result<Robot, Error>> {
+        let client = self.clone();
+        let first = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token: None, state };
+        let pages = stream::try_unfold(Some(first), move |query| {
+            let client = client.clone();
+            async move {
+                let Some(query) = query else { return Ok(None) };
+                let page = client.list_robots(&query).await?;
+                let next = page.next_page_token.map(|token| {
+                    // A token that leads to itself would be followed for ever.
+                    if query.page_token.as_ref() == Some(&token) {
+                        return Err(Error::Protocol {
+                            what: format!("GET {}", client.at(&["v1", "robots"])).into(),
+                            why: format!("page {token} is followed by itself"),
+                        });
+                    }
+                    Ok(PageQuery { page_token: Some(token), ..query })
+                });
+                Ok(Some((page.robots, next.transpose()?)))
+            }
+        });
+        pages.map_ok(|robots| stream::iter(robots.into_iter().map(Ok))).try_flatten().boxed()
+    }
+
+    /// Sets the task of a robot; it begins with the next step and replaces the one before.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
+    pub async fn set_task(&self, robot: &RobotId, spec: &task::Spec) -> Result<Task, Error> {
+        self.put(self.robot(robot, &["task"]), spec).await
+    }
+
+    /// The task of a robot and how far it has got.
+    ///
+    /// # Errors
+    /// NOT_FOUND where there is no such robot or it has no task, and whatever [`Error`] tells.
+    pub async fn get_task(&self, robot: &RobotId) -> Result<Task, Error> {
+        self.get(self.robot(robot, &["task"])).await
+    }
+
+    /// Cancels the task of a robot; it ramps to rest.
+    ///
+    /// # Errors
+    /// NOT_FOUND where there is no such robot or it has no task, and whatever [`Error`] tells.
+    pub async fn cancel_task(&self, robot: &RobotId) -> Result<(), Error> {
+        self.delete(self.robot(robot, &["task"])).await
+    }
+
+    /// What is identified of the floor and the link of a robot.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
+    pub async fn environment(&self, robot: &RobotId) -> Result<Environment, Error> {
+        self.get(self.robot(robot, &["environment"])).await
+    }
+
+    /// Forgets what was learned about the environment of a robot: back to the prior.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
+    pub async fn reset_environment(&self, robot: &RobotId) -> Result<Environment, Error> {
+        self.post(self.robot(robot, &["environment", "reset"])).await
+    }
+
+    /// Stops a robot until it is resumed, from its next exchange on. Its task is kept.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
+    pub async fn stop(&self, robot: &RobotId) -> Result<Stop, Error> {
+        self.post(self.robot(robot, &["stop"])).await
+    }
+
+    /// Lets a stopped robot go on.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
+    pub async fn resume(&self, robot: &RobotId) -> Result<Stop, Error> {
+        self.post(self.robot(robot, &["resume"])).await
+    }
+
+    /// Stops all robots until they are resumed.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn stop_all(&self) -> Result<StopAll, Error> {
+        self.post(self.at(&["v1", "stop"])).await
+    }
+
+    /// Lets all stopped robots go on.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn resume_all(&self) -> Result<StopAll, Error> {
+        self.post(self.at(&["v1", "resume"])).await
+    }
+
+    /// Whether the server lives.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn health(&self) -> Result<Health, Error> {
+        self.get(self.at(&["healthz"])).await
+    }
+
+    /// Whether the server takes requests. It is asked once: UNAVAILABLE is the answer here.
+    ///
+    /// # Errors
+    /// UNAVAILABLE where it does not, and whatever [`Error`] tells.
+    pub async fn ready(&self) -> Result<Health, Error> {
+        let url = self.at(&["readyz"]);
+        self.typed(Call::new(Method::GET, url, self.allowed, 0)).await
+    }
+
+    pub(crate) fn http(&self) -> &reqwest::Client {
+        &self.http
+    }
+
+    pub(crate) fn allowed(&self) -> Duration {
+        self.allowed
+    }
+
+    pub(crate) fn at(&self, path: &[&str]) -> Url {
+        self.address.at(path)
+    }
+
+    fn robot(&self, robot: &RobotId, below: &[&str]) -> Url {
+        self.at(&[&["v1", "robots", robot.as_str()], below].concat())
+    }
+
+    async fn get<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
+        self.typed(self.call(Method::GET, url)).await
+    }
+
+    async fn post<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
+        self.typed(self.call(Method::POST, url)).await
+    }
+
+    async fn put<T: DeserializeOwned>(&self, url: Url, body: &impl Serialize) -> Result<T, Error> {
+        let call = self.call(Method::PUT, url).with_json(body)?;
+        self.typed(Call { if_match: self.if_match.clone(), ..call }).await
+    }
+
+    async fn delete(&self, url: Url) -> Result<(), Error> {
+        let call = self.call(Method::DELETE, url);
+        let call = Call { if_match: self.if_match.clone(), ..call };
+        self.calls.clone().oneshot(call).await.map(drop)
+    }
+
+    fn call(&self, method: Method, url: Url) -> Call {
+        Call::new(method, url, self.allowed, MAX_RETRIES)
+    }
+
+    async fn typed<T: DeserializeOwned>(&self, call: Call) -> Result<T, Error> {
+        let what = Arc::clone(&call.what);
+        let answer = self.calls.clone().oneshot(call).await?;
+        call::read(&what, &answer)
+    }
+}
+
+fn add_query(url: &mut Url, query: &PageQuery) {
+    let PageQuery { page_size, page_token, state } = query;
+    let size = page_size.map(|size| size.to_string());
+    let state = state.map(|state| match state {
+        robot::State::Never => "never".to_owned(),
+        robot::State::Connected => "connected".to_owned(),
+        robot::State::Lost => "lost".to_owned(),
+    });
+    let parts = [("page_size", size), ("page_token", page_token.clone()), ("state", state)];
+    let parts = parts.into_iter().filter_map(|(name, value)| Some((name, value?)));
+    for (name, value) in parts {
+        url.query_pairs_mut().append_pair(name, &value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_query_says_what_was_asked_for_and_no_more() {
+        let client = Client::new("http://h").unwrap();
+        let mut url = client.at(&["v1", "robots"]);
+        add_query(&mut url, &PageQuery::default());
+        assert_eq!(url.as_str(), "http://h/v1/robots");
+        let query = PageQuery {
+            page_size: Some(2),
+            page_token: Some("a&b".to_owned()),
+            state: Some(robot::State::Lost),
+        };
+        add_query(&mut url, &query);
+        assert_eq!(url.query(), Some("page_size=2&page_token=a%26b&state=lost"));
+    }
+
+    #[test]
+    fn every_state_is_asked_for_by_its_name_on_the_wire() {
+        for state in [robot::State::Never, robot::State::Connected, robot::State::Lost] {
+            let mut url: Url = "http://h".parse().unwrap();
+            add_query(&mut url, &PageQuery { state: Some(state), ..PageQuery::default() });
+            let name = serde_json::to_value(state).unwrap();
+            assert_eq!(url.query(), name.as_str().map(|name| format!("state={name}")).as_deref());
+        }
+    }
+}
