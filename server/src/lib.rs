@@ -1,1 +1,43 @@
-//! placeholder
+//! The controller server of Umwelt: robots, tasks, steps, stops, environments and events over HTTP.
+//!
+//! One tokio task per robot owns its controller and its session with the agent ([`robot`]); requests reach it
+//! through a bounded queue, and what it shows goes out through a `watch`, so that a reader never waits for a robot
+//! and a slow robot never slows another. What must outlive the process goes through the [`Store`].
+//!
+//! ```no_run
+//! # async fn example() -> std::io::Result<()> {
+//! use umwelt_server::{Config, Server};
+//! let server = Server::bind(Config { listen: ([127, 0, 0, 1], 0).into(), ..Config::default() }).await?;
+//! println!("listening on http://{}", server.local_addr());
+//! let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+//! let running = tokio::spawn(server.run(async { stopped.await.unwrap_or_default() }));
+//! // ... robots drive ...
+//! drop(stop);
+//! running.await??;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Architecture invariants: nothing here plans or identifies, that is core's; nothing here names a wire field,
+//! that is the contract's; no request waits for another robot's task; steps never touch the store.
+
+mod answer;
+mod app;
+mod condition;
+mod config;
+mod connection;
+mod deadline;
+mod etag;
+mod extract;
+mod failure;
+mod feed;
+mod fleet;
+mod robot;
+mod router;
+mod routes;
+mod serve;
+pub mod store;
+
+pub use config::Config;
+pub use serve::Server;
+pub use store::Store;

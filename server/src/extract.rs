@@ -1,0 +1,97 @@
+//! What routes take out of a request, each checked once and refused in the one error body.
+
+use crate::app::App;
+use crate::failure::{self, Failure};
+use crate::robot::Robot;
+use axum::extract::{FromRequest, FromRequestParts, Path, Request};
+use axum::http::{HeaderMap, StatusCode, header, request::Parts};
+use bytes::Bytes;
+use http_body_util::{BodyExt, LengthLimitError, Limited};
+use std::sync::Arc;
+use umwelt_api::RobotId;
+use umwelt_api::problem::{Detail, Problems, Status, reason};
+
+/// Longest body but for a step: a task of 1000 waypoints has 100 KB.
+pub(crate) const MAX_BODY: usize = 1024 * 1024;
+
+/// The `{robot}` of a path, valid but perhaps unknown.
+pub(crate) struct Id(pub(crate) RobotId);
+
+impl<S: Send + Sync> FromRequestParts<S> for Id {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Failure> {
+        let Path(text) = Path::<String>::from_request_parts(parts, state).await.map_err(|_| {
+            // Percent-encoded bytes that are no text.
+            let remedy = "use 1 to 63 of a-z, 0-9 and -";
+            Problems::from(Detail::new(reason::INVALID_ID, "robot", (), remedy))
+        })?;
+        Ok(Self(text.parse()?))
+    }
+}
+
+/// The robot that a path names.
+pub(crate) struct Known(pub(crate) Arc<Robot>);
+
+impl FromRequestParts<App> for Known {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Failure> {
+        let Id(id) = Id::from_request_parts(parts, app).await?;
+        app.fleet.find(&id).map(Self).ok_or_else(|| failure::no_such_robot(&id))
+    }
+}
+
+/// A JSON body of at most `LIMIT` bytes, all of it here.
+pub(crate) struct Body<const LIMIT: usize = MAX_BODY>(pub(crate) Bytes);
+
+impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {
+        let (parts, body) = request.into_parts();
+        expect_json(&parts.headers)?;
+        let promised = axum::body::HttpBody::size_hint(&body).lower();
+        if promised > LIMIT as u64 {
+            return Err(too_large(LIMIT));
+        }
+        let collected = Limited::new(body, LIMIT).collect();
+        let timeout = app.config.body_timeout;
+        match tokio::time::timeout(timeout, collected).await {
+            Ok(Ok(collected)) => Ok(Self(collected.to_bytes())),
+            Ok(Err(error)) if error.is::<LengthLimitError>() => Err(too_large(LIMIT)),
+            Ok(Err(error)) => {
+                let message = format!("the body ended early: {error}");
+                Err(Failure::new(Status::InvalidArgument, message))
+            }
+            Err(_) => {
+                let message = format!("the body did not arrive within {} s", timeout.as_secs_f64());
+                let remedy = "send the whole body at once";
+                Err(Failure::new(Status::DeadlineExceeded, message)
+                    .with(Detail::new(failure::BODY_TIMEOUT, "", (), remedy))
+                    .under(StatusCode::REQUEST_TIMEOUT))
+            }
+        }
+    }
+}
+
+fn too_large(limit: usize) -> Failure {
+    let remedy = format!("send at most {limit} bytes");
+    Failure::new(Status::InvalidArgument, "the body is too large")
+        .with(Detail::new(reason::BODY_TOO_LARGE, "", (), remedy))
+        .under(StatusCode::PAYLOAD_TOO_LARGE)
+}
+
+/// A body must say that it is JSON: then no web page of another origin can send it without asking.
+fn expect_json(headers: &HeaderMap) -> Result<(), Failure> {
+    let given = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
+    let essence = given.and_then(|text| text.split(';').next()).unwrap_or_default().trim();
+    if essence.eq_ignore_ascii_case("application/json") {
+        return Ok(());
+    }
+    let remedy = "send Content-Type: application/json";
+    let detail = Detail::new(failure::UNSUPPORTED_MEDIA_TYPE, "Content-Type", given, remedy);
+    Err(Failure::new(Status::InvalidArgument, "the body is not declared as JSON")
+        .with(detail)
+        .under(StatusCode::UNSUPPORTED_MEDIA_TYPE))
+}

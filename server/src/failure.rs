@@ -1,0 +1,145 @@
+//! Everything that goes wrong, as a response: one body for all, and the headers that go with it.
+
+use crate::answer;
+use crate::store::StoreError;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use umwelt_api::problem::{Detail, ErrorBody, Problem, Problems, Status, reason};
+use umwelt_api::{InvalidId, RobotId};
+
+/// The robot is stopping with the server.
+pub(crate) const DRAINING: &str = "DRAINING";
+/// The robot's clock ran backwards within an epoch.
+pub(crate) const CLOCK_WENT_BACK: &str = "CLOCK_WENT_BACK";
+/// The robot has more requests waiting than it can answer in time.
+pub(crate) const QUEUE_FULL: &str = "QUEUE_FULL";
+/// A limit of the server is reached.
+pub(crate) const LIMIT_REACHED: &str = "LIMIT_REACHED";
+/// The path exists, the method does not.
+pub(crate) const METHOD_NOT_ALLOWED: &str = "METHOD_NOT_ALLOWED";
+/// The body is in another format.
+pub(crate) const UNSUPPORTED_MEDIA_TYPE: &str = "UNSUPPORTED_MEDIA_TYPE";
+/// The body did not arrive in time.
+pub(crate) const BODY_TIMEOUT: &str = "BODY_TIMEOUT";
+/// The store did not keep it.
+pub(crate) const STORE_FAILED: &str = "STORE_FAILED";
+
+/// Seconds to wait before asking again, where waiting helps.
+const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");
+
+/// What a route returns.
+pub(crate) type Result<T = Response, E = Failure> = std::result::Result<T, E>;
+
+/// A problem on its way out. The HTTP status is the problem's own, but where HTTP has a better one.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Failure {
+    problem: Problem,
+    code: u16,
+}
+
+impl Failure {
+    pub(crate) fn new(status: Status, message: impl Into<String>) -> Self {
+        Problem::new(status, message).into()
+    }
+
+    /// The same with one more thing that is wrong.
+    pub(crate) fn with(mut self, detail: Detail) -> Self {
+        self.problem.details.push(detail);
+        self
+    }
+
+    /// The same under another HTTP status.
+    pub(crate) fn under(mut self, code: StatusCode) -> Self {
+        self.code = code.as_u16();
+        self
+    }
+}
+
+impl From<Problem> for Failure {
+    fn from(problem: Problem) -> Self {
+        Self { code: problem.http_status(), problem }
+    }
+}
+
+impl From<Problems> for Failure {
+    fn from(problems: Problems) -> Self {
+        Problem::from(problems).into()
+    }
+}
+
+impl From<InvalidId> for Failure {
+    fn from(invalid: InvalidId) -> Self {
+        Problems::from(invalid).into()
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        let status = match error {
+            StoreError::Unavailable(_) => Status::Unavailable,
+            StoreError::Damaged(_) => Status::DataLoss,
+        };
+        let remedy = "nothing was changed; robots that drive go on driving";
+        Self::new(status, error.to_string()).with(Detail::new(STORE_FAILED, "", (), remedy))
+    }
+}
+
+impl IntoResponse for Failure {
+    fn into_response(self) -> Response {
+        let Self { problem, code } = self;
+        let status = problem.status;
+        let mut body = ErrorBody::from(problem);
+        body.error.code = code;
+        let code = StatusCode::from_u16(code).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = answer::json(code, &body);
+        if matches!(status, Status::ResourceExhausted | Status::Unavailable) {
+            response.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER);
+        }
+        response
+    }
+}
+
+pub(crate) fn no_such_robot(robot: &RobotId) -> Failure {
+    let remedy = "describe it: PUT /v1/robots/{robot}, or list those there are: GET /v1/robots";
+    Failure::new(Status::NotFound, format!("there is no robot {robot}")).with(Detail::new(
+        reason::NO_SUCH_RESOURCE,
+        "robot",
+        robot.as_str(),
+        remedy,
+    ))
+}
+
+pub(crate) fn no_task(robot: &RobotId) -> Failure {
+    let remedy = "set one: PUT /v1/robots/{robot}/task";
+    Failure::new(Status::NotFound, format!("robot {robot} has no task")).with(Detail::new(
+        reason::NO_SUCH_RESOURCE,
+        "task",
+        (),
+        remedy,
+    ))
+}
+
+pub(crate) fn draining() -> Failure {
+    let remedy = "ask again when the server is back";
+    Failure::new(Status::Unavailable, "the server is shutting down").with(Detail::new(
+        DRAINING,
+        "",
+        (),
+        remedy,
+    ))
+}
+
+pub(crate) fn limit_reached(what: &str, limit: usize) -> Failure {
+    let message = format!("there are {limit} {what} already, which is the limit");
+    let remedy = "remove or end some, or start the server with a higher limit";
+    Failure::new(Status::ResourceExhausted, message).with(Detail::new(
+        LIMIT_REACHED,
+        "",
+        limit,
+        remedy,
+    ))
+}
+
+pub(crate) fn internal(message: impl Into<String>) -> Failure {
+    Failure::new(Status::Internal, message)
+}

@@ -1,0 +1,151 @@
+//! What a robot shows of itself: replaced as a whole after each change, read by anybody at any time.
+
+use crate::etag;
+use crate::store::Record;
+use std::sync::Arc;
+use tokio::time::Instant;
+use umwelt_api::RobotId;
+use umwelt_api::environment::Environment;
+use umwelt_api::robot::{Pose, Robot, Spec, State};
+use umwelt_api::task;
+use umwelt_core::controller::Controller;
+use umwelt_core::controller::settings::Settings;
+use umwelt_core::controller::task::{Progress, Task};
+use umwelt_core::exchange::Observation;
+use umwelt_core::identification::Belief;
+
+/// A robot's settings with their version.
+#[derive(Clone, Debug)]
+pub(super) struct Described {
+    pub(super) settings: Settings,
+    pub(super) etag: Arc<str>,
+}
+
+impl Described {
+    pub(super) fn new(settings: Settings) -> Self {
+        Self { etag: etag::of(&Spec::from(&settings)), settings }
+    }
+}
+
+/// A robot's task with its version.
+#[derive(Clone, Debug)]
+pub(super) struct Assigned {
+    pub(super) task: Arc<Task>,
+    pub(super) etag: Arc<str>,
+}
+
+impl Assigned {
+    pub(super) fn new(task: Task) -> Self {
+        Self { etag: etag::of(&task::Spec::from(&task)), task: task.into() }
+    }
+}
+
+/// A robot at one moment.
+#[derive(Clone, Debug)]
+pub(crate) struct Snapshot {
+    pub(super) described: Described,
+    pub(super) assigned: Option<Assigned>,
+    pub(super) progress: Progress,
+    pub(super) state: State,
+    /// When the last step came.
+    pub(super) seen: Option<Instant>,
+    pub(super) stopped: bool,
+    pub(super) pose: Option<Observation>,
+    pub(super) epoch: Option<u64>,
+    /// Estimates are made by those who want to see them, not at every step.
+    pub(super) belief: Belief,
+    /// Whether a stopping horizon has been fetched since the server began to shut down.
+    pub(super) drained: bool,
+    /// Whether the robot was removed.
+    pub(super) removed: bool,
+}
+
+impl Snapshot {
+    pub(super) fn of(
+        controller: &Controller,
+        described: Described,
+        task: Option<Assigned>,
+    ) -> Self {
+        Self {
+            described,
+            assigned: task,
+            progress: controller.progress(),
+            state: State::Never,
+            seen: None,
+            stopped: controller.is_stopped(),
+            pose: controller.pose(),
+            epoch: None,
+            belief: controller.belief().clone(),
+            drained: false,
+            removed: false,
+        }
+    }
+
+    /// The same where the robot's task has died: nobody hears the robot any more.
+    pub(super) fn without_task(&self) -> Self {
+        let state = if self.state == State::Connected { State::Lost } else { self.state };
+        Self { state, ..self.clone() }
+    }
+
+    /// Version of what was said about the robot.
+    pub(crate) fn etag(&self) -> &str {
+        &self.described.etag
+    }
+
+    /// Version of the task.
+    pub(crate) fn task_etag(&self) -> Option<&str> {
+        self.assigned.as_ref().map(|assigned| &*assigned.etag)
+    }
+
+    /// Whether the robot is heard from.
+    pub(crate) fn state(&self) -> State {
+        self.state
+    }
+
+    /// Whether the robot was removed.
+    pub(crate) fn is_removed(&self) -> bool {
+        self.removed
+    }
+
+    /// Whether the server may shut down without the robot.
+    pub(crate) fn is_drained(&self) -> bool {
+        self.drained || self.state != State::Connected
+    }
+
+    /// What is to be kept of it.
+    pub(crate) fn record(&self) -> Record {
+        let task = self.assigned.as_ref().map(|assigned| (*assigned.task).clone());
+        Record { settings: self.described.settings, task, stopped: self.stopped }
+    }
+
+    /// As the wire has it.
+    pub(crate) fn robot(&self, id: &RobotId, now: Instant) -> Robot {
+        Robot {
+            robot: id.clone(),
+            spec: Spec::from(&self.described.settings),
+            state: self.state,
+            last_seen_s_ago: self.seen.map(|seen| now.duration_since(seen).as_secs_f64()),
+            stopped: self.stopped,
+            pose: self.pose.map(Pose::from),
+            task: self.assigned.is_some().then(|| self.progress.into()),
+            epoch: self.epoch,
+            loop_delay_median_s: self.belief.link.estimate().median,
+            etag: self.described.etag.to_string(),
+        }
+    }
+
+    /// The task as the wire has it.
+    pub(crate) fn task(&self, id: &RobotId) -> Option<task::Task> {
+        self.assigned.as_ref().map(|assigned| task::Task {
+            robot: id.clone(),
+            spec: (&*assigned.task).into(),
+            progress: self.progress.into(),
+            etag: assigned.etag.to_string(),
+        })
+    }
+
+    /// What is identified, as the wire has it.
+    pub(crate) fn environment(&self) -> Environment {
+        Environment::from(&self.belief.environment())
+    }
+}

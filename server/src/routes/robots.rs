@@ -1,0 +1,62 @@
+//! Robots: described, shown, listed, removed.
+
+use super::page::Query;
+use crate::answer;
+use crate::app::App;
+use crate::condition::Condition;
+use crate::extract::{Body, Id, Known};
+use crate::failure::Result;
+use crate::fleet::Put;
+use axum::extract::State;
+use axum::http::StatusCode;
+use tokio::time::Instant;
+use umwelt_api::robot::{Page, Spec};
+
+pub(crate) async fn put(
+    State(app): State<App>,
+    Id(id): Id,
+    condition: Condition,
+    Body(body): Body,
+) -> Result {
+    let settings = Spec::read(&body)?.to_core()?;
+    let (robot, put) = app.fleet.put(id, settings, condition).await?;
+    let snapshot = robot.snapshot();
+    let shown = snapshot.robot(robot.id(), Instant::now());
+    Ok(answer::versioned(code(put), snapshot.etag(), &shown))
+}
+
+pub(crate) async fn get(Known(robot): Known) -> Result {
+    let snapshot = robot.snapshot();
+    let shown = snapshot.robot(robot.id(), Instant::now());
+    Ok(answer::versioned(StatusCode::OK, snapshot.etag(), &shown))
+}
+
+pub(crate) async fn delete(
+    State(app): State<App>,
+    Known(robot): Known,
+    condition: Condition,
+) -> Result {
+    app.fleet.delete(robot, condition).await?;
+    Ok(answer::nothing())
+}
+
+pub(crate) async fn list(State(app): State<App>, query: Query) -> Result {
+    let now = Instant::now();
+    let robots = app.fleet.robots(query.after.as_ref());
+    let mut found = robots
+        .iter()
+        .map(|robot| (robot.id(), robot.snapshot()))
+        .filter(|(_, snapshot)| query.state.is_none_or(|state| snapshot.state() == state));
+    let page: Vec<_> = found.by_ref().take(query.size).map(|(id, it)| it.robot(id, now)).collect();
+    let is_last = found.next().is_none();
+    let next_page_token = page.last().filter(|_| !is_last).map(|last| last.robot.to_string());
+    Ok(answer::json(StatusCode::OK, &Page { robots: page, next_page_token }))
+}
+
+/// The HTTP status of a PUT.
+pub(super) fn code(put: Put) -> StatusCode {
+    match put {
+        Put::Created => StatusCode::CREATED,
+        Put::Replaced => StatusCode::OK,
+    }
+}

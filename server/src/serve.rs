@@ -1,0 +1,170 @@
+//! The server: binds, accepts, and shuts down without leaving a robot in motion.
+
+use crate::app::App;
+use crate::config::Config;
+use crate::connection;
+use crate::failure;
+use crate::feed::Feed;
+use crate::fleet::Fleet;
+use crate::router::router;
+use crate::store::{MemoryStore, Store};
+use axum::Router;
+use hyper_util::rt::TokioExecutor;
+use hyper_util::server::conn::auto::Builder;
+use hyper_util::server::graceful::GracefulShutdown;
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+
+/// Connections beyond the limit that are told so at a time; those beyond these are closed without a word.
+const REFUSALS: usize = 32;
+
+/// How long a refused connection may take to hear it.
+const REFUSAL: Duration = Duration::from_secs(1);
+
+/// Pause after the system had no more connections to give: it will not have one at once.
+const OUT_OF_SOCKETS: Duration = Duration::from_millis(100);
+
+/// A server that is bound to its address.
+pub struct Server {
+    app: App,
+    router: Router,
+    listener: TcpListener,
+    address: SocketAddr,
+}
+
+impl Server {
+    /// Binds a server that keeps its robots in memory.
+    ///
+    /// # Errors
+    /// Where the address cannot be had.
+    pub async fn bind(config: Config) -> io::Result<Self> {
+        Self::with_store(config, Arc::new(MemoryStore::default())).await
+    }
+
+    /// Binds a server with the robots that `store` keeps.
+    ///
+    /// # Errors
+    /// Where the address cannot be had or the store cannot be read.
+    pub async fn with_store(config: Config, store: Arc<dyn Store>) -> io::Result<Self> {
+        let feed = Feed::new();
+        let fleet = Fleet::open(&config, store, feed.clone()).await.map_err(io::Error::other)?;
+        let listener = TcpListener::bind(config.listen).await?;
+        let address = listener.local_addr()?;
+        let app = App::new(config, fleet, feed);
+        Ok(Self { router: router(app.clone()), app, listener, address })
+    }
+
+    /// Where it listens, the port filled in.
+    pub fn local_addr(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Its routes, to be called in the same process without a connection.
+    pub fn router(&self) -> Router {
+        self.router.clone()
+    }
+
+    /// Serves until `shutdown`, then drains: robots are told to rest and steps still answered until every connected
+    /// robot has fetched a stopping horizon or [`Config::drain`] has passed; then connections end in order or after
+    /// [`Config::close`].
+    ///
+    /// # Errors
+    /// None so far; a server that cannot go on will say why.
+    pub async fn run(self, shutdown: impl Future<Output = ()>) -> io::Result<()> {
+        let Self { app, router, listener, .. } = self;
+        let door = Door::new(&app.config, router);
+        tokio::select! {
+            () = door.accept(&listener) => {}
+            () = shutdown => {}
+        }
+        tracing::info!("shutting down: robots are told to rest");
+        tokio::select! {
+            () = door.accept(&listener) => {}
+            drained = tokio::time::timeout(app.config.drain, app.fleet.drain()) => {
+                if drained.is_err() {
+                    tracing::warn!("not every robot has fetched a stopping horizon; they stop by themselves");
+                }
+            }
+        }
+        drop(listener);
+        app.closing.send_replace(true);
+        if tokio::time::timeout(app.config.close, door.graceful.shutdown()).await.is_err() {
+            tracing::warn!("some connections did not end in time");
+        }
+        Ok(())
+    }
+}
+
+/// Lets connections in.
+struct Door {
+    router: Router,
+    full: Router,
+    builder: Arc<Builder<TokioExecutor>>,
+    graceful: GracefulShutdown,
+    places: Arc<Semaphore>,
+    refusals: Arc<Semaphore>,
+    first_request: Duration,
+}
+
+impl Door {
+    fn new(config: &Config, router: Router) -> Self {
+        let limit = config.max_connections;
+        Self {
+            router,
+            full: Router::new()
+                .fallback(move || async move { failure::limit_reached("connections", limit) }),
+            builder: Arc::new(connection::builder(config)),
+            graceful: GracefulShutdown::new(),
+            places: Arc::new(Semaphore::new(limit.min(Semaphore::MAX_PERMITS))),
+            refusals: Arc::new(Semaphore::new(REFUSALS)),
+            first_request: config.header_timeout,
+        }
+    }
+
+    /// Accepts connections for ever.
+    async fn accept(&self, listener: &TcpListener) {
+        loop {
+            match listener.accept().await {
+                Ok((stream, _)) => self.admit(stream),
+                Err(error) if is_of_connection(&error) => {}
+                Err(error) => {
+                    tracing::error!(%error, "no connection can be accepted");
+                    tokio::time::sleep(OUT_OF_SOCKETS).await;
+                }
+            }
+        }
+    }
+
+    /// Serves the connection, or tells it that there are too many, or closes it.
+    fn admit(&self, stream: TcpStream) {
+        let serve = |router: &Router, permit: OwnedSemaphorePermit, lifetime: Duration| {
+            let connection = connection::serve(
+                stream,
+                router.clone(),
+                Arc::clone(&self.builder),
+                self.graceful.watcher(),
+                self.first_request,
+            );
+            tokio::spawn(async move {
+                // Cut off where it lasts longer.
+                let _ = tokio::time::timeout(lifetime, connection).await;
+                drop(permit);
+            });
+        };
+        if let Ok(place) = Arc::clone(&self.places).try_acquire_owned() {
+            serve(&self.router, place, Duration::MAX);
+        } else if let Ok(refusal) = Arc::clone(&self.refusals).try_acquire_owned() {
+            serve(&self.full, refusal, REFUSAL);
+        }
+    }
+}
+
+/// Whether an error of `accept` concerns the one connection that was to be accepted.
+fn is_of_connection(error: &io::Error) -> bool {
+    use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
+    matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
+}

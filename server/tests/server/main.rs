@@ -1,0 +1,15 @@
+//! The rules of the server that could silently break: most through its router, the rest over real sockets.
+
+// A test that cannot go on may panic; clippy takes only the functions marked #[test] for tests.
+#![allow(clippy::unwrap_used)]
+
+mod api;
+mod bad_input;
+mod conditions;
+mod events;
+mod process;
+mod robots;
+mod shutdown;
+mod sockets;
+mod steps;
+mod stores;
