@@ -1,0 +1,62 @@
+//! What moves: a simulated robot, or a real one behind standard input and output.
+
+mod pipe;
+mod sim;
+
+pub use pipe::{Output, Pipe};
+pub use sim::Sim;
+
+use std::ops::ControlFlow;
+use umwelt_core::exchange::Observation;
+use umwelt_core::geometry::{Pose, WheelSpeeds};
+
+/// Poses out, wheel speeds in. Times are robot time in s and never go back.
+pub trait Drive: Send {
+    /// What comes from outside at its own time.
+    type Input: Send;
+
+    /// Whether something real moves, which must never be left moving for ever.
+    const IS_HARDWARE: bool;
+
+    /// The run begins at `now`, at rest.
+    fn begin(&mut self, now: f64);
+
+    /// The next robot time at which the drive has something to do by itself.
+    fn next(&self) -> f64;
+
+    /// Waits for the next input, without loss where the wait is given up.
+    fn input(&mut self) -> impl Future<Output = Self::Input> + Send;
+
+    /// Takes in an input; a break where no more poses will come.
+    fn take(&mut self, now: f64, input: Self::Input) -> ControlFlow<()>;
+
+    /// The next pose that has become known by `now`; call it until there is none.
+    /// Time passes up to `now` under the speeds that were applied last.
+    fn observe(&mut self, now: f64) -> Option<Observation>;
+
+    /// Applies `speeds` from `now` on. Called at every moment, after [`Drive::observe`].
+    ///
+    /// # Errors
+    /// Where the speeds do not get to the wheels.
+    fn apply(&mut self, now: f64, speeds: WheelSpeeds) -> Result<(), DriveError>;
+
+    /// Where the robot truly is, where that is known.
+    fn true_pose(&self) -> Option<Pose>;
+
+    /// The run has ended at `now`, at rest: a last zero, and time to let it out.
+    ///
+    /// # Errors
+    /// Where the speeds did not get to the wheels.
+    fn finish(&mut self, now: f64) -> impl Future<Output = Result<(), DriveError>> + Send;
+}
+
+/// Why wheel speeds do not get to the wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DriveError {
+    /// Nobody reads the wheel speeds any more.
+    #[error("nobody takes the wheel speeds: standard output is closed")]
+    OutputClosed,
+    /// Nobody reads the wheel speeds for now.
+    #[error("nobody takes the wheel speeds: standard output is blocked")]
+    OutputBlocked,
+}

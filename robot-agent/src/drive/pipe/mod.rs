@@ -1,0 +1,269 @@
+//! A robot behind two pipes: poses as JSON lines on standard input, wheel speeds as JSON lines on standard output.
+//!
+//! ```text
+//! {"t_s":81.30,"x_m":0.012,"y_m":-0.003,"heading_rad":0.02}            a tracker writes
+//! {"t_s":81.45,"left_rad_per_s":1.2,"right_rad_per_s":1.3}             a motor driver reads
+//! ```
+//!
+//! Speeds are written at every slot and at every change, zeros at rest: a motor driver that hears nothing for a few
+//! slots should stop by itself. Lines that are no poses are reported and skipped; none of them moves the robot.
+
+mod line;
+
+use super::{Drive, DriveError};
+use crate::throttle::Throttle;
+use line::{Line, Poses, Splitter};
+use serde::Serialize;
+use std::io::{self, Read, Write};
+use std::ops::ControlFlow;
+use std::time::Duration;
+use tokio::sync::{mpsc, oneshot};
+use tracing::warn;
+use umwelt_core::exchange::Observation;
+use umwelt_core::geometry::{Pose, WheelSpeeds};
+use umwelt_core::horizon::SLOT;
+use umwelt_core::kinematics;
+
+/// Most lines read ahead of the loop; a tracker that is faster has to wait.
+const MAX_READ_AHEAD: usize = 64;
+
+/// Most lines of wheel speeds that wait to be written, half a second of slots: beyond, the output is blocked.
+const MAX_WAITING: usize = 16;
+
+/// Size in bytes of the pipe to the motor driver where the system lets it be chosen: a driver that stopped reading
+/// shows after two seconds of lines, not after half a minute.
+const PIPE_SIZE: usize = 4096;
+
+/// Longest time to let the last zeros out at the end.
+const LAST_WRITE: Duration = Duration::from_millis(500);
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Output {
+    /// `left_rad_per_s` and `right_rad_per_s`.
+    Wheels,
+    /// `linear_m_per_s` and `angular_rad_per_s` of a robot with this drive.
+    Twist(kinematics::Drive),
+}
+
+#[derive(Serialize)]
+struct WheelsLine {
+    t_s: f64,
+    left_rad_per_s: f64,
+    right_rad_per_s: f64,
+}
+
+#[derive(Serialize)]
+struct TwistLine {
+    t_s: f64,
+    linear_m_per_s: f64,
+    angular_rad_per_s: f64,
+}
+
+impl Output {
+    /// One line, its end included. Negative zeros are written as zeros.
+    fn line(self, now: f64, speeds: WheelSpeeds) -> Result<Vec<u8>, serde_json::Error> {
+        let mut line = match self {
+            Self::Wheels => serde_json::to_vec(&WheelsLine {
+                t_s: now,
+                left_rad_per_s: speeds.left + 0.0,
+                right_rad_per_s: speeds.right + 0.0,
+            }),
+            Self::Twist(drive) => {
+                let twist = kinematics::forward(&drive, speeds);
+                serde_json::to_vec(&TwistLine {
+                    t_s: now,
+                    linear_m_per_s: twist.linear + 0.0,
+                    angular_rad_per_s: twist.angular + 0.0,
+                })
+            }
+        }?;
+        line.push(b'\n');
+        Ok(line)
+    }
+}
+
+/// A robot behind two pipes. Run it on [`Clock::host`](crate::Clock::host): its stamps are the host's.
+#[derive(Debug)]
+pub struct Pipe {
+    output: Output,
+    lines: mpsc::Receiver<Line>,
+    /// Whether more input may come.
+    is_open: bool,
+    poses: Poses,
+    known: Option<Observation>,
+    complaint: Throttle,
+    writes: Option<mpsc::Sender<Vec<u8>>>,
+    written: Option<oneshot::Receiver<()>>,
+    applied: Option<WheelSpeeds>,
+    next_line: f64,
+}
+
+impl Pipe {
+    /// Poses from standard input, wheel speeds to standard output.
+    ///
+    /// # Errors
+    /// Where no thread can be started.
+    pub fn stdio(output: Output) -> io::Result<Self> {
+        // Not every output is a pipe, and a larger one only hides a sleeping reader for longer.
+        #[cfg(target_os = "linux")]
+        let _ = rustix::pipe::fcntl_setpipe_size(io::stdout(), PIPE_SIZE);
+        Self::new(io::stdin(), io::stdout(), output)
+    }
+
+    /// Poses from `reader`, wheel speeds to `writer`, each on a thread of its own: a reader that never ends and a
+    /// writer that blocks hold up neither the loop nor its end.
+    ///
+    /// # Errors
+    /// Where no thread can be started.
+    pub fn new(
+        reader: impl Read + Send + 'static,
+        writer: impl Write + Send + 'static,
+        output: Output,
+    ) -> io::Result<Self> {
+        let (to_lines, lines) = mpsc::channel(MAX_READ_AHEAD);
+        let (writes, to_write) = mpsc::channel(MAX_WAITING);
+        let (done, written) = oneshot::channel();
+        std::thread::Builder::new()
+            .name("poses".into())
+            .spawn(move || read_lines(reader, &to_lines))?;
+        std::thread::Builder::new().name("speeds".into()).spawn(move || {
+            if write_lines(writer, to_write).is_ok() {
+                // Nobody may be waiting any more.
+                let _ = done.send(());
+            }
+        })?;
+        Ok(Self::over(lines, writes, written, output))
+    }
+
+    fn over(
+        lines: mpsc::Receiver<Line>,
+        writes: mpsc::Sender<Vec<u8>>,
+        written: oneshot::Receiver<()>,
+        output: Output,
+    ) -> Self {
+        Self {
+            output,
+            lines,
+            is_open: true,
+            poses: Poses::NEW,
+            known: None,
+            complaint: Throttle::default(),
+            writes: Some(writes),
+            written: Some(written),
+            applied: None,
+            next_line: f64::NEG_INFINITY,
+        }
+    }
+
+    fn write(&mut self, now: f64, speeds: WheelSpeeds) -> Result<(), DriveError> {
+        let writes = self.writes.as_ref().ok_or(DriveError::OutputClosed)?;
+        // Horizons are checked for finite speeds on arrival; a line that cannot be written counts as lost.
+        let line = self.output.line(now, speeds).map_err(|_| DriveError::OutputClosed)?;
+        writes.try_send(line).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => DriveError::OutputBlocked,
+            mpsc::error::TrySendError::Closed(_) => DriveError::OutputClosed,
+        })
+    }
+}
+
+impl Drive for Pipe {
+    /// A line, or none where the input has ended.
+    type Input = Option<Line>;
+
+    const IS_HARDWARE: bool = true;
+
+    fn begin(&mut self, now: f64) {
+        self.next_line = now;
+    }
+
+    fn next(&self) -> f64 {
+        self.next_line
+    }
+
+    async fn input(&mut self) -> Option<Line> {
+        if self.is_open { self.lines.recv().await } else { std::future::pending().await }
+    }
+
+    fn take(&mut self, now: f64, input: Option<Line>) -> ControlFlow<()> {
+        let Some(line) = input else {
+            self.is_open = false;
+            return ControlFlow::Break(());
+        };
+        match self.poses.read(now, &line) {
+            Ok(observation) => self.known = Some(observation),
+            Err(error) => {
+                if let Some(unsaid) = self.complaint.ask(now) {
+                    warn!(unsaid, "pose skipped: {error}");
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn observe(&mut self, _: f64) -> Option<Observation> {
+        self.known.take()
+    }
+
+    fn apply(&mut self, now: f64, speeds: WheelSpeeds) -> Result<(), DriveError> {
+        let is_slot = now >= self.next_line;
+        if !is_slot && self.applied == Some(speeds) {
+            return Ok(());
+        }
+        if is_slot {
+            // Slots that were slept through are over.
+            let passed = ((now - self.next_line) / SLOT).floor() + 1.0;
+            self.next_line += passed * SLOT;
+        }
+        self.applied = Some(speeds);
+        self.write(now, speeds)
+    }
+
+    fn true_pose(&self) -> Option<Pose> {
+        None
+    }
+
+    async fn finish(&mut self, now: f64) -> Result<(), DriveError> {
+        self.write(now, WheelSpeeds::ZERO)?;
+        // Without a sender the writer ends once everything is out.
+        self.writes = None;
+        let Some(written) = self.written.take() else { return Ok(()) };
+        match tokio::time::timeout(LAST_WRITE, written).await {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(_)) => Err(DriveError::OutputClosed),
+            Err(_) => Err(DriveError::OutputBlocked),
+        }
+    }
+}
+
+/// Reads lines until the end, an error, or nobody who wants them.
+fn read_lines(mut reader: impl Read, lines: &mpsc::Sender<Line>) {
+    let (mut splitter, mut bytes) = (Splitter::default(), [0; 4096]);
+    loop {
+        match reader.read(&mut bytes) {
+            Ok(0) => return,
+            Ok(count) => {
+                if !splitter.split(&bytes[..count], |line| lines.blocking_send(line).is_ok()) {
+                    return;
+                }
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => {
+                warn!("standard input: {error}");
+                return;
+            }
+        }
+    }
+}
+
+/// Writes lines, each at once, until nobody sends any more or nobody takes them.
+fn write_lines(mut writer: impl Write, mut lines: mpsc::Receiver<Vec<u8>>) -> io::Result<()> {
+    while let Some(line) = lines.blocking_recv() {
+        writer.write_all(&line)?;
+        writer.flush()?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,262 @@
+use super::*;
+use crate::report::{AgentError, Ended, Report};
+use crate::transport::Connect;
+use crate::{Clock, Config, run};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::sync::{Arc, Mutex};
+use umwelt_client::api::step;
+use umwelt_client::api::task::Stage;
+use umwelt_core::controller::Controller;
+use umwelt_core::controller::settings::Settings;
+use umwelt_core::controller::task::{self, Task};
+use umwelt_core::geometry::{Point, Twist};
+use umwelt_core::horizon::Horizon;
+use umwelt_core::kinematics::{Drive as Wheels, forward, inverse};
+use umwelt_core::plant::{Plant, PlantModel};
+
+/// A server that commands half a second of `linear` m/s, whatever it is told.
+fn always(linear: f64, watchdog: f64) -> Connect {
+    let speeds = inverse(&Wheels::default(), Twist::new(linear, 0.0));
+    answering(move |request| Horizon {
+        sequence: request.sequence,
+        answers: request.sequence,
+        start: request.sent_s,
+        slot: SLOT,
+        watchdog,
+        speeds: [speeds; 17].into_iter().collect(),
+    })
+}
+
+/// A server with a real controller and a task of `waypoints`.
+fn controlling(waypoints: Vec<Point>) -> (Connect, Arc<Mutex<Controller>>) {
+    let mut controller = Controller::new(Settings::default());
+    controller.set_task(Task { waypoints, calibration: None, ..Task::thesis() });
+    let controller = Arc::new(Mutex::new(controller));
+    let shared = Arc::clone(&controller);
+    let connect = answering(move |request| {
+        let request = request.to_core().unwrap();
+        shared.lock().unwrap().step(&request).horizon
+    });
+    (connect, controller)
+}
+
+fn answering(answer: impl Fn(&step::Request) -> Horizon + Send + Sync + 'static) -> Connect {
+    let answer = Arc::new(answer);
+    Box::new(move || {
+        let answer = Arc::clone(&answer);
+        Box::new(move |request| {
+            let horizon = (&answer(&request)).into();
+            let reply = step::Reply { horizon, stopped: false, stage: Stage::Driving };
+            Box::pin(async move { Ok(reply) })
+        })
+    })
+}
+
+/// The other ends of a pipe's channels.
+struct Ends {
+    poses: mpsc::Sender<Line>,
+    speeds: mpsc::Receiver<Vec<u8>>,
+    done: oneshot::Sender<()>,
+}
+
+fn pipe() -> (Pipe, Ends) {
+    let (poses, lines) = mpsc::channel(MAX_READ_AHEAD);
+    let (writes, speeds) = mpsc::channel(MAX_WAITING);
+    let (done, written) = oneshot::channel();
+    (Pipe::over(lines, writes, written, Output::Wheels), Ends { poses, speeds, done })
+}
+
+fn config() -> Config {
+    Config::new("rover-7".parse().unwrap())
+}
+
+fn parse(line: &[u8]) -> (f64, WheelSpeeds) {
+    let line: Value = serde_json::from_slice(line).unwrap();
+    let number = |name: &str| line[name].as_f64().unwrap();
+    let speeds = WheelSpeeds { left: number("left_rad_per_s"), right: number("right_rad_per_s") };
+    (number("t_s"), speeds)
+}
+
+/// Reads all lines until the end, sending what `pose` gives for each and closing the input where it gives none.
+async fn converse(
+    mut ends: Ends,
+    mut pose: impl FnMut(f64, WheelSpeeds) -> Option<String>,
+) -> Vec<(f64, WheelSpeeds)> {
+    let (mut lines, mut poses) = (Vec::new(), Some(ends.poses));
+    while let Some(line) = ends.speeds.recv().await {
+        let (now, speeds) = parse(&line);
+        lines.push((now, speeds));
+        match pose(now, speeds) {
+            Some(text) => {
+                if let Some(poses) = &poses {
+                    poses.send(Line::Whole(text.into())).await.unwrap();
+                }
+            }
+            None => poses = None,
+        }
+    }
+    ends.done.send(()).unwrap();
+    lines
+}
+
+async fn driven(
+    connect: Connect,
+    pose: impl FnMut(f64, WheelSpeeds) -> Option<String>,
+) -> (Report, Vec<(f64, WheelSpeeds)>) {
+    let (pipe, ends) = pipe();
+    let run = run(config(), connect, pipe, Clock::start(), std::future::pending());
+    let (report, lines) = tokio::join!(run, converse(ends, pose));
+    (report.unwrap(), lines)
+}
+
+const RESTING: &str = r#"{"x_m":0,"y_m":0,"heading_rad":0}"#;
+
+#[tokio::test(start_paused = true)]
+async fn speeds_come_at_every_slot_and_at_every_change_and_end_with_zeros() {
+    let pose = |now, _| (now < 3.0).then(|| RESTING.to_owned());
+    let (report, lines) = driven(always(0.1, 0.3), pose).await;
+    assert_eq!(report.ended, Ended::NoMorePoses);
+    assert!(lines.windows(2).all(|pair| pair[1].0 - pair[0].0 <= SLOT + 0.002));
+    assert!(lines.iter().any(|(_, speeds)| (speeds.left - 0.1 / 0.03).abs() < 1e-9));
+    assert_eq!(lines.first().unwrap().1, WheelSpeeds::ZERO);
+    assert_eq!(lines.last().unwrap().1, WheelSpeeds::ZERO);
+    let stopping = report.time - 3.0;
+    assert!(stopping > 0.2 && stopping < 0.5, "{stopping} s to rest after the last pose");
+}
+
+/// A script as the robot: it integrates the wheel speeds and tells its pose, and reaches the waypoint.
+#[tokio::test(start_paused = true)]
+async fn a_robot_behind_pipes_reaches_its_waypoint() {
+    let target = Point::new(0.3, 0.2);
+    let (connect, controller) = controlling(vec![target]);
+    let mut plant = Plant::new(PlantModel::default(), Pose::default(), 1).unwrap();
+    let mut applied = WheelSpeeds::ZERO;
+    let mut after = 0;
+    let (report, lines) = driven(connect, |now, speeds| {
+        plant.advance(applied, now - plant.time());
+        applied = speeds;
+        let arrived = controller.lock().unwrap().progress().stage == task::Stage::Arrived;
+        after += u32::from(arrived);
+        let (x, y, heading) = (plant.pose().x, plant.pose().y, plant.pose().heading.radians());
+        let text = format!(r#"{{"t_s":{now},"x_m":{x},"y_m":{y},"heading_rad":{heading}}}"#);
+        (after < 10).then_some(text)
+    })
+    .await;
+    assert!(plant.pose().point().distance(target) < 0.01);
+    assert_eq!((report.ended, lines.last().unwrap().1), (Ended::NoMorePoses, WheelSpeeds::ZERO));
+}
+
+#[tokio::test(start_paused = true)]
+async fn garbage_never_moves_the_robot() {
+    let (connect, _) = controlling(vec![Point::new(0.3, 0.0)]);
+    let garbage = [
+        "",
+        "{}",
+        "[1,2,3]",
+        "\u{0}\u{1}",
+        r#"{"x_m":0,"y_m":0,"heading_rad":"north"}"#,
+        r#"{"t_s":1e9,"x_m":0,"y_m":0,"heading_rad":0}"#,
+        r#"{"t_s":-5,"x_m":0,"y_m":0,"heading_rad":0}"#,
+        r#"{"x_m":1e300,"y_m":0,"heading_rad":0}"#,
+        r#"{"x_m":0,"y_m":0,"heading_rad":0,"left_rad_per_s":8}"#,
+    ];
+    let mut count = 0;
+    let (_, lines) = driven(connect, |now, _| {
+        count += 1;
+        (now < 5.0).then(|| garbage[count % garbage.len()].to_owned())
+    })
+    .await;
+    assert!(lines.len() > 150 && lines.iter().all(|(_, speeds)| *speeds == WheelSpeeds::ZERO));
+}
+
+/// A real robot never holds a speed for ever, whatever the server says.
+#[tokio::test(start_paused = true)]
+async fn a_watchdog_of_zero_is_refused() {
+    let (pipe, mut ends) = pipe();
+    let answered = Mutex::new(false);
+    let horizon = always(0.1, 0.0)();
+    let connect: Connect = {
+        let horizon = Arc::new(Mutex::new(horizon));
+        let answered = Arc::new(answered);
+        Box::new(move || {
+            let (horizon, answered) = (Arc::clone(&horizon), Arc::clone(&answered));
+            Box::new(move |request| {
+                let first = !std::mem::replace(&mut *answered.lock().unwrap(), true);
+                let reply = horizon.lock().unwrap()(request);
+                Box::pin(async move {
+                    if !first {
+                        std::future::pending::<()>().await;
+                    }
+                    reply.await
+                })
+            })
+        })
+    };
+    let config = Config { duration: Some(3.0), ..config() };
+    let run = run(config, connect, pipe, Clock::start(), std::future::pending());
+    let reading = async {
+        let mut lines = Vec::new();
+        while let Some(line) = ends.speeds.recv().await {
+            lines.push(parse(&line));
+        }
+        ends.done.send(()).unwrap();
+        lines
+    };
+    let (report, lines) = tokio::join!(run, reading);
+    assert_eq!(report.unwrap().ended, Ended::Duration);
+    assert!(lines.iter().any(|(_, speeds)| speeds.left > 3.0));
+    assert!(lines.iter().filter(|(now, _)| *now > 1.5).all(|(_, s)| *s == WheelSpeeds::ZERO));
+}
+
+#[tokio::test(start_paused = true)]
+async fn an_output_that_nobody_reads_stops_the_run() {
+    let (pipe, ends) = pipe();
+    let clock = Clock::start();
+    let error = run(config(), always(0.1, 0.3), pipe, clock, std::future::pending()).await;
+    assert_eq!(error, Err(AgentError::Drive(DriveError::OutputBlocked)));
+    assert!(clock.now() < 2.0);
+    drop(ends);
+}
+
+#[tokio::test(start_paused = true)]
+async fn an_output_that_is_closed_stops_the_run() {
+    let (pipe, Ends { poses, speeds, .. }) = pipe();
+    drop(speeds);
+    let error = run(config(), always(0.1, 0.3), pipe, Clock::start(), std::future::pending()).await;
+    assert_eq!(error, Err(AgentError::Drive(DriveError::OutputClosed)));
+    drop(poses);
+}
+
+#[test]
+fn a_twist_is_written_as_such_and_zero_has_no_sign() {
+    let wheels = Wheels::default();
+    let speeds = inverse(&wheels, Twist::new(0.1, -0.5));
+    let line = Output::Twist(wheels).line(1.5, speeds).unwrap();
+    let line: Value = serde_json::from_slice(&line).unwrap();
+    assert!((line["linear_m_per_s"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+    assert!((line["angular_rad_per_s"].as_f64().unwrap() + 0.5).abs() < 1e-12);
+    let zero = Output::Wheels.line(1.5, WheelSpeeds { left: -0.0, right: 0.0 }).unwrap();
+    assert_eq!(zero, b"{\"t_s\":1.5,\"left_rad_per_s\":0.0,\"right_rad_per_s\":0.0}\n");
+    assert_eq!(forward(&wheels, WheelSpeeds::ZERO), Twist::ZERO);
+}
+
+/// Real pipes and real time: what threads and system calls do is not seen on a paused clock.
+#[tokio::test]
+async fn real_pipes_carry_poses_and_speeds() {
+    let (poses_out, mut poses) = std::io::pipe().unwrap();
+    let (speeds, speeds_in) = std::io::pipe().unwrap();
+    let pipe = Pipe::new(poses_out, speeds_in, Output::Wheels).unwrap();
+    let robot = tokio::task::spawn_blocking(move || {
+        let mut lines = BufReader::new(speeds).lines();
+        poses.write_all(b"garbage\n{\"x_m\":0,\"y_m\":0,\"heading_rad\":0}\n").unwrap();
+        let moving =
+            lines.by_ref().find(|line| parse(line.as_ref().unwrap().as_bytes()).1.left > 1.0);
+        assert!(moving.is_some());
+        drop(poses);
+        parse(lines.last().unwrap().unwrap().as_bytes()).1
+    });
+    let run = run(config(), always(0.1, 0.3), pipe, Clock::host(), std::future::pending());
+    assert_eq!(run.await.unwrap().ended, Ended::NoMorePoses);
+    assert_eq!(robot.await.unwrap(), WheelSpeeds::ZERO);
+}

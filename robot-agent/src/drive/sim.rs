@@ -1,0 +1,145 @@
+//! A simulated robot in real time: the plant of `umwelt_core`, advanced as the clock goes.
+
+use super::{Drive, DriveError};
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+use umwelt_core::exchange::Observation;
+use umwelt_core::geometry::{Pose, WheelSpeeds};
+use umwelt_core::horizon::SLOT;
+use umwelt_core::link::SENSOR_DELAY;
+use umwelt_core::plant::{Plant, PlantError, PlantModel};
+
+/// A simulated robot under a camera that takes a frame per slot and tells its pose a sensor delay later.
+#[derive(Clone, Debug)]
+pub struct Sim {
+    plant: Plant,
+    sensor_delay: f64,
+    began: f64,
+    frames: u64,
+    /// Robot time in s up to which time has passed.
+    now: f64,
+    applied: WheelSpeeds,
+    /// Poses on their way from the camera: (arrival, pose).
+    seen: VecDeque<(f64, Observation)>,
+}
+
+impl Sim {
+    /// A robot at rest at `start`, with the thesis's sensor delay.
+    ///
+    /// # Errors
+    /// Where model or start mean nothing.
+    pub fn new(model: PlantModel, start: Pose, seed: u64) -> Result<Self, PlantError> {
+        Ok(Self {
+            plant: Plant::new(model, start, seed)?,
+            sensor_delay: SENSOR_DELAY,
+            began: 0.0,
+            frames: 0,
+            now: 0.0,
+            applied: WheelSpeeds::ZERO,
+            seen: VecDeque::new(),
+        })
+    }
+
+    /// The same with another time in s from a pose being taken to its being known.
+    pub fn with_sensor_delay(self, sensor_delay: f64) -> Self {
+        Self { sensor_delay, ..self }
+    }
+
+    fn next_frame(&self) -> f64 {
+        self.began + self.frames as f64 * SLOT
+    }
+
+    /// Lets time pass up to `to`.
+    fn pass(&mut self, to: f64) {
+        self.plant.advance(self.applied, to - self.now);
+        self.now = to;
+    }
+}
+
+impl Drive for Sim {
+    type Input = Infallible;
+
+    const IS_HARDWARE: bool = false;
+
+    fn begin(&mut self, now: f64) {
+        (self.began, self.now) = (now, now);
+    }
+
+    fn next(&self) -> f64 {
+        self.seen.front().map_or(f64::INFINITY, |(arrival, _)| *arrival).min(self.next_frame())
+    }
+
+    async fn input(&mut self) -> Infallible {
+        std::future::pending().await
+    }
+
+    fn take(&mut self, _: f64, input: Infallible) -> ControlFlow<()> {
+        match input {}
+    }
+
+    fn observe(&mut self, now: f64) -> Option<Observation> {
+        while self.next_frame() <= now {
+            let taken = self.next_frame();
+            self.pass(taken);
+            self.frames += 1;
+            let observation = Observation { pose: self.plant.observe(), taken };
+            self.seen.push_back((taken + self.sensor_delay, observation));
+        }
+        self.pass(now);
+        let arrived = self.seen.front().is_some_and(|(arrival, _)| *arrival <= now);
+        if arrived { self.seen.pop_front().map(|(_, observation)| observation) } else { None }
+    }
+
+    fn apply(&mut self, _: f64, speeds: WheelSpeeds) -> Result<(), DriveError> {
+        self.applied = speeds;
+        Ok(())
+    }
+
+    fn true_pose(&self) -> Option<Pose> {
+        Some(self.plant.pose())
+    }
+
+    async fn finish(&mut self, _: f64) -> Result<(), DriveError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_per_slot_becomes_known_a_sensor_delay_later() {
+        let mut sim = Sim::new(PlantModel::default(), Pose::default(), 1).unwrap();
+        sim.begin(5.0);
+        let mut known = Vec::new();
+        let mut now = 5.0;
+        while now < 6.0 {
+            while let Some(observation) = sim.observe(now) {
+                known.push((now, observation.taken));
+            }
+            sim.apply(now, WheelSpeeds { left: 2.0, right: 2.0 }).unwrap();
+            now = sim.next();
+        }
+        // 1 s less the sensor delay, in slots
+        assert_eq!(known.len(), ((1.0 - SENSOR_DELAY) / SLOT).ceil() as usize);
+        assert!(known.iter().all(|(at, taken)| (at - taken - SENSOR_DELAY).abs() < 1e-9));
+        assert!((sim.true_pose().unwrap().x - 0.06 * (sim.now - 5.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_late_wake_takes_the_frames_when_they_were_due() {
+        let mut sim = Sim::new(PlantModel::default(), Pose::default(), 1).unwrap();
+        sim.begin(0.0);
+        sim.observe(0.0);
+        sim.apply(0.0, WheelSpeeds { left: 2.0, right: 2.0 }).unwrap();
+        let mut poses = Vec::new();
+        while let Some(observation) = sim.observe(1.0) {
+            poses.push(observation);
+        }
+        for Observation { pose, taken } in poses {
+            assert!((pose.x - 0.06 * taken).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,451 @@
+//! The command line.
+
+use clap::{Args, Parser, ValueEnum};
+use std::fmt::Display;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use tracing::warn;
+use umwelt_agent::drive::{Output, Sim};
+use umwelt_agent::transport::{self, Connect};
+use umwelt_agent::{Config, TraceRow, TraceSink};
+use umwelt_client::api::RobotId;
+use umwelt_core::exchange::PoseNoise;
+use umwelt_core::geometry::Pose;
+use umwelt_core::kinematics::Drive;
+use umwelt_core::link::{LinkModel, PRESETS, Rtt, SENSOR_DELAY, parse_trace};
+use umwelt_core::plant::{PlantModel, SLIP_PRESETS, Slip, SlipChannel};
+
+const EXAMPLES: &str = "\
+Examples:
+  A simulated robot on a slippery floor, over a link that is late now and then:
+      umwelt-agent --robot rover-7 --slip slippery --link bad --seed 1
+
+  A real robot: a tracker that writes poses, a motor driver that reads wheel speeds
+      tracker | umwelt-agent --robot rover-7 --drive pipe | motors
+
+  Poses, one JSON object a line; t_s is when the pose was taken, on this host's monotonic clock (Python's
+  time.monotonic()); without it the pose counts as taken when it arrives:
+      {\"t_s\":81.30,\"x_m\":0.012,\"y_m\":-0.003,\"heading_rad\":0.02}
+  Wheel speeds, at every 30 ms and at every change, zeros at rest:
+      {\"t_s\":81.45,\"left_rad_per_s\":1.2,\"right_rad_per_s\":1.3}
+  or with --output twist:
+      {\"t_s\":81.45,\"linear_m_per_s\":0.0375,\"angular_rad_per_s\":0.03}
+  Lines that are no poses are reported and skipped. At the end of the poses the robot ramps to rest. The motor
+  driver should stop by itself when it hears nothing for 0.3 s.
+
+The robot must be registered with the server first: umwelt robot add rover-7
+It stops by itself, within its acceleration limits, when the server or the link is gone, and goes on when they are
+back. SIGTERM and SIGINT ramp it to rest. Logs go to standard error.
+
+Exit status: 0 ended as told, at rest; 1 it failed; 2 the call was wrong.";
+
+/// Drives a robot as an Umwelt server says: poses in, wheel speeds out.
+#[derive(Debug, Parser)]
+#[command(version, after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Address of the server
+    #[arg(
+        long,
+        value_name = "URL",
+        env = "UMWELT_SERVER",
+        default_value = "http://127.0.0.1:8080"
+    )]
+    server: String,
+
+    /// Id of the robot, as registered with the server
+    #[arg(long, value_name = "ID", env = "UMWELT_ROBOT")]
+    robot: RobotId,
+
+    /// What moves: a simulated robot, or a real one behind standard input and output
+    #[arg(long, value_enum, env = "UMWELT_DRIVE", default_value_t = DriveKind::Sim)]
+    drive: DriveKind,
+
+    /// End by itself after so many seconds
+    #[arg(long, value_name = "S", value_parser = positive)]
+    duration: Option<f64>,
+
+    /// What to log: error, warn, info, debug or a filter of tracing-subscriber
+    #[arg(long, value_name = "FILTER", env = "UMWELT_LOG", default_value = "info")]
+    pub log: String,
+
+    #[command(flatten)]
+    wheels: Wheels,
+
+    #[command(flatten)]
+    pipe: PipeOptions,
+
+    #[command(flatten)]
+    sim: SimOptions,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum DriveKind {
+    Sim,
+    Pipe,
+}
+
+/// The robot's own limits: they hold whatever the server says. The server should be told the same.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Wheels and limits")]
+struct Wheels {
+    /// Radius of the wheels
+    #[arg(long, value_name = "M", value_parser = positive, default_value_t = Drive::default().wheel_radius)]
+    wheel_radius: f64,
+
+    /// Distance between the wheels
+    #[arg(long, value_name = "M", value_parser = positive, default_value_t = Drive::default().track_width)]
+    track_width: f64,
+
+    /// Largest speed of a wheel
+    #[arg(long, value_name = "RAD_PER_S", value_parser = positive, default_value_t = Drive::default().max_wheel_speed)]
+    max_wheel_speed: f64,
+
+    /// Largest speed
+    #[arg(long, value_name = "M_PER_S", value_parser = positive, default_value_t = Drive::default().max_linear)]
+    max_speed: f64,
+
+    /// Smallest speed at which the motors turn; a step up to it is no acceleration
+    #[arg(long, value_name = "M_PER_S", value_parser = not_negative, default_value_t = Drive::default().min_linear)]
+    min_speed: f64,
+
+    /// Largest angular velocity
+    #[arg(long, value_name = "RAD_PER_S", value_parser = positive, default_value_t = Drive::default().max_angular)]
+    max_angular: f64,
+
+    /// Smallest angular velocity at which the motors turn
+    #[arg(long, value_name = "RAD_PER_S", value_parser = not_negative, default_value_t = Drive::default().min_angular)]
+    min_angular: f64,
+
+    /// Largest acceleration
+    #[arg(long, value_name = "M_PER_S2", value_parser = positive, default_value_t = Drive::default().max_linear_acceleration)]
+    max_acceleration: f64,
+
+    /// Largest angular acceleration
+    #[arg(long, value_name = "RAD_PER_S2", value_parser = positive, default_value_t = Drive::default().max_angular_acceleration)]
+    max_angular_acceleration: f64,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "With --drive pipe")]
+struct PipeOptions {
+    /// What to write: the speed of each wheel, or the speed and angular velocity of the robot [default: wheels]
+    #[arg(long, value_enum)]
+    output: Option<OutputKind>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum OutputKind {
+    Wheels,
+    Twist,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "With --drive sim")]
+struct SimOptions {
+    /// Delay the traffic like this link, both ways: clean, normal, bad, wifi-bursty, or trace:FILE (CSV of t_s,rtt_ms)
+    #[arg(long, value_name = "PRESET|trace:FILE", env = "UMWELT_LINK")]
+    link: Option<String>,
+
+    /// Seed of floor, camera and link; the same seed gives the same ones [default: 0]
+    #[arg(long, env = "UMWELT_SEED")]
+    seed: Option<u64>,
+
+    /// The floor: none, hard, dusty, slippery, oily, loaded, ramp; or ratio errors as CHANNEL=MEAN:SD,... with the
+    /// channels forward, lateral, turn and drift, the sd over 100 ms [default: none]
+    #[arg(long, value_name = "PRESET|CHANNELS", value_parser = slip, allow_hyphen_values = true)]
+    slip: Option<Slip>,
+
+    /// Standard deviation of the camera's x and y [default: 0.0005]
+    #[arg(long, value_name = "M", value_parser = not_negative)]
+    noise_position: Option<f64>,
+
+    /// Standard deviation of the camera's heading [default: 0.003]
+    #[arg(long, value_name = "RAD", value_parser = not_negative)]
+    noise_heading: Option<f64>,
+
+    /// Time constant with which the wheels follow [default: 0]
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    lag: Option<f64>,
+
+    /// Time before the wheels begin to follow [default: 0]
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    dead_time: Option<f64>,
+
+    /// Where it stands at first, in m and rad [default: 0,0,0]
+    #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true)]
+    start: Option<Pose>,
+
+    /// Write time, true pose and wheel speeds to this CSV file, at each change and at least every 30 ms
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+}
+
+/// What the command line asks for, checked.
+pub struct Plan {
+    pub config: Config,
+    pub connect: Connect,
+    pub which: Which,
+}
+
+/// What moves.
+pub enum Which {
+    Sim(Box<Sim>),
+    Pipe(Output),
+}
+
+impl Options {
+    /// Checks everything before anything moves.
+    ///
+    /// # Errors
+    /// What is wrong with the call, in words.
+    pub fn plan(self) -> Result<Plan, String> {
+        self.refuse_foreign()?;
+        let drive = self.wheels.drive()?;
+        let connect =
+            transport::http(&self.server, self.robot.clone()).map_err(|e| e.to_string())?;
+        let mut config = Config { drive, duration: self.duration, ..Config::new(self.robot) };
+        if self.drive == DriveKind::Pipe {
+            let output = match self.pipe.output {
+                None | Some(OutputKind::Wheels) => Output::Wheels,
+                Some(OutputKind::Twist) => Output::Twist(drive),
+            };
+            return Ok(Plan { config, connect, which: Which::Pipe(output) });
+        }
+        let sim = self.sim;
+        config.seed = sim.seed.unwrap_or_default();
+        config.link = sim.link.as_deref().map(link).transpose()?;
+        config.trace = sim.trace.as_deref().map(trace).transpose()?;
+        let model = PlantModel {
+            drive: Drive {
+                lag: sim.lag.unwrap_or_default(),
+                dead_time: sim.dead_time.unwrap_or_default(),
+                ..drive
+            },
+            slip: sim.slip.unwrap_or_default(),
+            noise: PoseNoise {
+                position: sim.noise_position.unwrap_or(PoseNoise::CAMERA.position),
+                heading: sim.noise_heading.unwrap_or(PoseNoise::CAMERA.heading),
+            },
+        };
+        let sensor_delay = config.link.as_ref().map_or(SENSOR_DELAY, |link| link.sensor_delay);
+        let sim = Sim::new(model, sim.start.unwrap_or_default(), config.seed)
+            .map_err(|error| error.to_string())?
+            .with_sensor_delay(sensor_delay);
+        Ok(Plan { config, connect, which: Which::Sim(Box::new(sim)) })
+    }
+
+    /// A flag that would be without effect is a mistake.
+    fn refuse_foreign(&self) -> Result<(), String> {
+        let SimOptions {
+            link,
+            seed,
+            slip,
+            noise_position,
+            noise_heading,
+            lag,
+            dead_time,
+            start,
+            trace,
+        } = &self.sim;
+        let (given, wants) = match self.drive {
+            DriveKind::Sim => (vec![("--output", self.pipe.output.is_some())], "pipe"),
+            DriveKind::Pipe => (
+                vec![
+                    ("--link", link.is_some()),
+                    ("--seed", seed.is_some()),
+                    ("--slip", slip.is_some()),
+                    ("--noise-position", noise_position.is_some()),
+                    ("--noise-heading", noise_heading.is_some()),
+                    ("--lag", lag.is_some()),
+                    ("--dead-time", dead_time.is_some()),
+                    ("--start", start.is_some()),
+                    ("--trace", trace.is_some()),
+                ],
+                "sim",
+            ),
+        };
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((flag, _)) => Err(format!("{flag} goes with --drive {wants} only")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Wheels {
+    fn drive(&self) -> Result<Drive, String> {
+        for (small, large, what) in [
+            (self.min_speed, self.max_speed, "speed"),
+            (self.min_angular, self.max_angular, "angular"),
+        ] {
+            if small > large {
+                return Err(format!("--min-{what} {small} is larger than --max-{what} {large}"));
+            }
+        }
+        Ok(Drive {
+            wheel_radius: self.wheel_radius,
+            track_width: self.track_width,
+            max_wheel_speed: self.max_wheel_speed,
+            max_linear: self.max_speed,
+            min_linear: self.min_speed,
+            max_angular: self.max_angular,
+            min_angular: self.min_angular,
+            max_linear_acceleration: self.max_acceleration,
+            max_angular_acceleration: self.max_angular_acceleration,
+            lag: 0.0,
+            dead_time: 0.0,
+        })
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number: f64 = f64::from_str(text.trim()).map_err(|_| format!("{text:?} is no number"))?;
+    if number.is_finite() { Ok(number) } else { Err(format!("{number} is not finite")) }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(|n| if n > 0.0 { Ok(n) } else { Err(format!("{n} is not positive")) })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).and_then(|n| if n >= 0.0 { Ok(n) } else { Err(format!("{n} is negative")) })
+}
+
+/// `X,Y,HEADING` in m and rad.
+fn pose(text: &str) -> Result<Pose, String> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    match numbers[..] {
+        [x, y, heading] => Ok(Pose::new(x, y, heading)),
+        _ => Err("three numbers are needed, X,Y,HEADING in m and rad".into()),
+    }
+}
+
+/// A preset, or `CHANNEL=MEAN:SD,...`; channels not named have no error.
+fn slip(text: &str) -> Result<Slip, String> {
+    if let Some(slip) = Slip::preset(text) {
+        return Ok(slip);
+    }
+    let mut slip = Slip::NONE;
+    for part in text.split(',') {
+        let usage = || {
+            let presets = SLIP_PRESETS.join(", ");
+            format!("{part:?} is neither one of {presets} nor CHANNEL=MEAN:SD")
+        };
+        let (name, numbers) = part.split_once('=').ok_or_else(usage)?;
+        let (mean, sd) = numbers.split_once(':').ok_or_else(usage)?;
+        let channel = SlipChannel::new(number(mean)?, number(sd)?).map_err(|e| e.to_string())?;
+        match name.trim() {
+            "forward" => slip.forward = channel,
+            "lateral" => slip.lateral = channel,
+            "turn" => slip.turn = channel,
+            "drift" => slip.drift = channel,
+            _ => return Err(format!("{name:?} is none of forward, lateral, turn, drift")),
+        }
+    }
+    Ok(slip)
+}
+
+/// A preset, or a recording of round trips as `trace:FILE`.
+fn link(text: &str) -> Result<LinkModel, String> {
+    if let Some(link) = LinkModel::preset(text) {
+        return Ok(link);
+    }
+    let Some(file) = text.strip_prefix("trace:") else {
+        return Err(format!(
+            "--link {text:?} is neither one of {} nor trace:FILE",
+            PRESETS.join(", ")
+        ));
+    };
+    let wrong = |error: &dyn Display| format!("--link: {file}: {error}");
+    let csv = std::fs::read_to_string(file).map_err(|error| wrong(&error))?;
+    let trace = parse_trace(&csv).map_err(|error| wrong(&error))?;
+    Ok(LinkModel::ordinary(Rtt::Trace(trace)))
+}
+
+/// A CSV file that takes the rows of a trace.
+fn trace(file: &Path) -> Result<TraceSink, String> {
+    let wrong = |error: &dyn Display| format!("--trace: {}: {error}", file.display());
+    let mut csv = BufWriter::new(File::create(file).map_err(|error| wrong(&error))?);
+    writeln!(csv, "t_s,x_m,y_m,heading_rad,left_rad_per_s,right_rad_per_s")
+        .map_err(|error| wrong(&error))?;
+    let mut is_broken = false;
+    Ok(Box::new(move |row: &TraceRow| {
+        let Some(pose) = row.pose else { return };
+        let (x, y, heading) = (pose.x, pose.y, pose.heading.radians());
+        let (left, right) = (row.applied.left, row.applied.right);
+        let written = writeln!(csv, "{},{x},{y},{heading},{left},{right}", row.time);
+        if let Err(error) = written
+            && !std::mem::replace(&mut is_broken, true)
+        {
+            warn!("the trace is incomplete: {error}");
+        }
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn plan(arguments: &[&str]) -> Result<Plan, String> {
+        let all = ["umwelt-agent", "--robot", "rover-7"].iter().chain(arguments);
+        Options::try_parse_from(all).map_err(|error| error.to_string())?.plan()
+    }
+
+    fn refused(arguments: &[&str]) -> String {
+        plan(arguments).err().unwrap_or_else(|| panic!("{arguments:?} was taken"))
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Options::command().debug_assert();
+    }
+
+    #[test]
+    fn a_floor_is_a_preset_or_channels() {
+        assert_eq!(slip("oily"), Ok(Slip::OILY));
+        let expected = Slip {
+            forward: SlipChannel::new(-0.1, 0.15).unwrap(),
+            turn: SlipChannel::new(0.05, 0.0).unwrap(),
+            ..Slip::NONE
+        };
+        assert_eq!(slip("forward=-0.1:0.15,turn=0.05:0"), Ok(expected));
+        for wrong in
+            ["", "lava", "forward", "forward=1", "forward=x:1", "up=0:0", "turn=0:-1", "turn=0:9"]
+        {
+            assert!(slip(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_asked_for_is_what_runs() {
+        let plan =
+            plan(&["--link", "bad", "--seed", "7", "--max-speed", "0.2", "--start", "-1,2,0.5"])
+                .unwrap();
+        assert_eq!(plan.config.link, LinkModel::preset("bad"));
+        assert_eq!((plan.config.seed, plan.config.drive.max_linear), (7, 0.2));
+        assert!(matches!(plan.which, Which::Sim(_)));
+    }
+
+    #[test]
+    fn a_wrong_call_says_what_is_wrong() {
+        for (arguments, reason) in [
+            (&["--link", "worse"] as &[&str], "neither one of clean, normal"),
+            (&["--link", "trace:/nowhere.csv"], "/nowhere.csv: No such file"),
+            (&["--drive", "pipe", "--slip", "oily"], "--slip goes with --drive sim only"),
+            (&["--output", "twist"], "--output goes with --drive pipe only"),
+            (&["--wheel-radius", "0"], "0 is not positive"),
+            (&["--track-width", "inf"], "inf is not finite"),
+            (&["--min-speed", "0.5"], "--min-speed 0.5 is larger than --max-speed 0.13"),
+            (&["--dead-time", "9"], "a dead time of 9 s"),
+            (&["--server", "ftp://h"], "http://"),
+            (&["--start", "1,2"], "X,Y,HEADING"),
+            (&["--trace", "/nowhere/t.csv"], "/nowhere/t.csv"),
+            (&["--robot", "Rover 7"], "an id is 1 to 63"),
+        ] {
+            let said = refused(arguments);
+            assert!(said.contains(reason), "{arguments:?}: {said}");
+        }
+    }
+}

@@ -1,0 +1,355 @@
+//! The robot, pure: time, poses and answers in, wheel speeds and requests out.
+//!
+//! What happens at a moment, and in which order, is what `core::episode` does on the robot's side. A simulated link
+//! holds back requests and answers here, on robot time.
+
+use crate::report::{AgentError, Ended};
+use crate::throttle::Throttle;
+use crate::transport::{Answer, Post};
+use std::collections::VecDeque;
+use tracing::{error, info, warn};
+use umwelt_client::Error;
+use umwelt_client::api::RobotId;
+use umwelt_client::api::problem::{Problem, Status};
+use umwelt_client::api::robot::MAX_INTEGER;
+use umwelt_client::api::step;
+use umwelt_client::api::task::Stage;
+use umwelt_core::actuation::{Actuation, Playing};
+use umwelt_core::exchange::{Exchange, Observation, Request};
+use umwelt_core::geometry::WheelSpeeds;
+use umwelt_core::horizon::{Horizon, WATCHDOG};
+use umwelt_core::kinematics::{self, Drive};
+use umwelt_core::link::Link;
+
+/// Time in s without a reply after which the robot counts as disconnected; its motors stop long before.
+const DISCONNECTED: f64 = 1.0;
+
+/// Time in s that a robot the server does not know waits to be registered, where agent and registration start together.
+const REGISTRATION: f64 = 5.0;
+
+/// Shortest time in s between two epochs begun because the server asked: no loop, whatever it says.
+const EPOCH_PAUSE: f64 = 1.0;
+
+/// A commanded twist beyond the robot's limits by no more than this, in m/s and rad/s, is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The robot's side of the loop.
+#[derive(Debug)]
+pub(crate) struct Robot {
+    id: RobotId,
+    drive: Drive,
+    /// Whether it moves something real, which must never be left moving for ever.
+    is_hardware: bool,
+    exchange: Exchange,
+    actuation: Actuation,
+    /// The link to simulate; none where the real one is all there is.
+    link: Option<Link>,
+    /// Requests on their way to being posted, and answers on their way back, by arrival.
+    upward: VecDeque<(f64, Request)>,
+    downward: VecDeque<(f64, Answer)>,
+    epoch: u64,
+    /// Epochs before this one, and when this one began.
+    epochs_before: u64,
+    epoch_began: f64,
+    ending: Option<Result<Ended, AgentError>>,
+    /// When the last reply came.
+    replied: Option<f64>,
+    connected: bool,
+    /// Since when the server says that it does not know the robot.
+    unknown_since: Option<f64>,
+    state: State,
+    complaint: Throttle,
+}
+
+/// What is shown of the robot.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct State {
+    pub observed: Option<Observation>,
+    pub loop_delay: Option<f64>,
+    pub stage: Option<Stage>,
+    pub stopped: bool,
+    pub requests: u64,
+    pub replies: u64,
+}
+
+impl Robot {
+    /// A robot at rest at robot time `now` that has asked nothing yet.
+    pub(crate) fn new(
+        id: RobotId,
+        drive: Drive,
+        is_hardware: bool,
+        link: Option<Link>,
+        epoch: u64,
+        now: f64,
+    ) -> Self {
+        Self {
+            id,
+            drive,
+            is_hardware,
+            exchange: Exchange::new(now),
+            actuation: Actuation::new(drive, now),
+            link,
+            upward: VecDeque::new(),
+            downward: VecDeque::new(),
+            epoch,
+            epochs_before: 0,
+            epoch_began: now,
+            ending: None,
+            replied: None,
+            connected: false,
+            unknown_since: None,
+            state: State::default(),
+            complaint: Throttle::default(),
+        }
+    }
+
+    /// The next robot time at which something happens by itself.
+    pub(crate) fn next(&self, now: f64) -> f64 {
+        let request =
+            if self.is_ending() { f64::INFINITY } else { self.exchange.next_request(now) };
+        let upward = self.upward.front().map_or(f64::INFINITY, |(at, _)| *at);
+        let downward = self.downward.front().map_or(f64::INFINITY, |(at, _)| *at);
+        request.min(upward).min(downward).min(self.actuation.next_change())
+    }
+
+    /// A pose becomes known.
+    pub(crate) fn observe(&mut self, observation: Observation) {
+        if self.exchange.observe(observation) {
+            self.state.observed = Some(observation);
+        }
+    }
+
+    /// An answer reaches this side of the real link at `now`. The simulated one may hold it back.
+    pub(crate) fn answer(&mut self, now: f64, answer: Answer) {
+        let crossed = matches!(answer.outcome, Ok(_) | Err(Error::Problem { .. }));
+        let arrival = match &mut self.link {
+            Some(link) if crossed => link.downlink(now),
+            _ => Some(now),
+        };
+        if let Some(arrival) = arrival {
+            queue(&mut self.downward, arrival, answer);
+        }
+    }
+
+    /// Lets happen what is due by `now`: the wheel speeds to apply from now on.
+    pub(crate) fn advance(&mut self, now: f64) -> WheelSpeeds {
+        while let Some(answer) = due(&mut self.downward, now) {
+            self.deliver(now, answer);
+        }
+        let speeds = self.actuation.advance(now);
+        let playing = self.playing();
+        if !self.is_ending()
+            && let Some(request) = self.exchange.request(now, playing)
+        {
+            let arrival = self.link.as_mut().map_or(Some(now), |link| link.uplink(now));
+            if let Some(arrival) = arrival {
+                queue(&mut self.upward, arrival, request);
+            }
+        }
+        self.follow_connection(now);
+        speeds
+    }
+
+    /// A request that is to be posted at `now`; what its connection's end took along is not.
+    pub(crate) fn post(&mut self, now: f64) -> Option<Post> {
+        while let Some(request) = due(&mut self.upward, now) {
+            if request.connection >= self.exchange.oldest_connection() {
+                self.state.requests += 1;
+                let connection = (self.epochs_before, request.connection);
+                let request = step::Request::from_core(&request, self.epoch);
+                return Some(Post { connection, request });
+            }
+        }
+        None
+    }
+
+    /// The oldest connection that still counts.
+    pub(crate) fn oldest_connection(&self) -> (u64, u64) {
+        (self.epochs_before, self.exchange.oldest_connection())
+    }
+
+    /// Ramps to rest and asks no more. The first reason stays.
+    pub(crate) fn end(&mut self, reason: Result<Ended, AgentError>) {
+        if self.is_ending() {
+            return;
+        }
+        match &reason {
+            Ok(Ended::Shutdown) => info!("told to end: ramping to rest"),
+            Ok(Ended::Duration) => info!("time is over: ramping to rest"),
+            Ok(Ended::NoMorePoses) => info!("no more poses come: ramping to rest"),
+            Err(error) => error!("{error}: ramping to rest"),
+        }
+        self.actuation.stop();
+        self.upward.clear();
+        self.downward.clear();
+        self.ending = Some(reason);
+    }
+
+    /// Whether it has been told to end.
+    pub(crate) fn is_ending(&self) -> bool {
+        self.ending.is_some()
+    }
+
+    /// Why it ended, once it is at rest.
+    pub(crate) fn ended(&self) -> Option<&Result<Ended, AgentError>> {
+        self.ending.as_ref().filter(|_| self.actuation.is_at_rest())
+    }
+
+    /// What is shown of it.
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Whether replies come.
+    pub(crate) fn is_connected(&self) -> bool {
+        self.connected
+    }
+
+    /// What is played, if it is of this epoch: the server knows nothing of another one's horizons.
+    fn playing(&self) -> Option<Playing> {
+        let playing = self.actuation.playing()?;
+        (self.epochs_before == 0 || playing.since > self.epoch_began).then_some(playing)
+    }
+
+    fn deliver(&mut self, now: f64, answer: Answer) {
+        if self.is_ending() || answer.epoch != self.epoch {
+            return;
+        }
+        match answer.outcome {
+            Ok(reply) => self.take(now, answer.sequence, &reply),
+            Err(Error::Problem { problem, .. }) => self.refused(now, &problem),
+            Err(failure) => self.complain(now, &failure.to_string()),
+        }
+    }
+
+    /// A reply arrives: its horizon is played if it is the newest.
+    fn take(&mut self, now: f64, sequence: u64, reply: &step::Reply) {
+        let mut horizon = match reply.horizon.to_core() {
+            Ok(horizon) => horizon,
+            Err(problems) => return self.complain(now, &format!("unbelievable: {problems}")),
+        };
+        self.make_safe(now, &mut horizon);
+        if let Some(loop_delay) = self.exchange.reply(now, sequence) {
+            self.state.loop_delay = Some(loop_delay);
+        }
+        self.actuation.accept(horizon);
+        if self.state.stopped != reply.stopped {
+            info!(
+                "{}",
+                if reply.stopped { "stopped by the server" } else { "resumed by the server" }
+            );
+        }
+        if self.state.stage != Some(reply.stage) {
+            info!(stage = ?reply.stage);
+        }
+        self.state.stopped = reply.stopped;
+        self.state.stage = Some(reply.stage);
+        self.state.replies += 1;
+        self.replied = Some(now);
+        self.unknown_since = None;
+    }
+
+    /// The robot's own limits hold whatever the server says.
+    fn make_safe(&mut self, now: f64, horizon: &mut Horizon) {
+        if self.is_hardware && horizon.watchdog == 0.0 {
+            horizon.watchdog = WATCHDOG;
+            self.complain(
+                now,
+                &format!("a watchdog of 0 s is none: playing on {WATCHDOG} s instead"),
+            );
+        }
+        let mut over = false;
+        for speeds in &mut horizon.speeds {
+            let twist = kinematics::forward(&self.drive, *speeds);
+            let limited = self.drive.limited(twist);
+            let excess = (twist.linear - limited.linear).abs();
+            if excess.max((twist.angular - limited.angular).abs()) > ROUNDING {
+                *speeds = kinematics::inverse(&self.drive, limited);
+                over = true;
+            }
+        }
+        if over {
+            self.complain(
+                now,
+                "faster than this robot's limits: limited. Give both sides the same drive",
+            );
+        }
+    }
+
+    /// The server refuses. A request that got no horizon stays in flight: its connection counts as stalled, and
+    /// what is tried next is tried with backoff.
+    fn refused(&mut self, now: f64, problem: &Problem) {
+        match problem.status {
+            Status::Aborted => {
+                let robot = self.id.clone();
+                self.end(Err(AgentError::Superseded { robot }));
+            }
+            Status::FailedPrecondition if now >= self.epoch_began + EPOCH_PAUSE => {
+                info!("{problem}: beginning a new epoch");
+                self.begin_epoch(now);
+            }
+            Status::NotFound => {
+                self.complain(now, &problem.to_string());
+                let since = *self.unknown_since.get_or_insert(now);
+                if self.replied.is_some() {
+                    self.actuation.stop();
+                } else if now >= since + REGISTRATION {
+                    let robot = self.id.clone();
+                    self.end(Err(AgentError::Unregistered { robot }));
+                }
+            }
+            _ => self.complain(now, &problem.to_string()),
+        }
+    }
+
+    /// Counts anew; what is playing goes on until it is replaced or expires.
+    fn begin_epoch(&mut self, now: f64) {
+        self.epoch = next_epoch(self.epoch);
+        self.epochs_before += 1;
+        self.epoch_began = now;
+        self.exchange = Exchange::new(now);
+        self.actuation.restart_sequences();
+        self.upward.clear();
+        self.downward.clear();
+    }
+
+    fn follow_connection(&mut self, now: f64) {
+        let connected = self.replied.is_some_and(|replied| now < replied + DISCONNECTED);
+        if connected == self.connected {
+            return;
+        }
+        self.connected = connected;
+        if connected {
+            info!("connected");
+        } else {
+            warn!("no reply for {DISCONNECTED} s: the robot comes to rest by itself");
+        }
+    }
+
+    fn complain(&mut self, now: f64, what: &str) {
+        match self.complaint.ask(now) {
+            Some(0) => warn!("{what}"),
+            Some(unsaid) => warn!(unsaid, "{what}"),
+            None => {}
+        }
+    }
+}
+
+/// Another epoch, as random as the one before: the generator of Knuth's MMIX, its upper 53 bits.
+fn next_epoch(epoch: u64) -> u64 {
+    let next =
+        epoch.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (next >> 11) & MAX_INTEGER
+}
+
+/// Takes out the first of what has arrived by `now`.
+fn due<T>(queue: &mut VecDeque<(f64, T)>, now: f64) -> Option<T> {
+    let arrived = queue.front().is_some_and(|(arrival, _)| *arrival <= now);
+    if arrived { queue.pop_front().map(|(_, what)| what) } else { None }
+}
+
+/// Puts in what will arrive, behind all that arrives no later.
+fn queue<T>(queue: &mut VecDeque<(f64, T)>, arrival: f64, what: T) {
+    let place = queue.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
+    queue.insert(place, (arrival, what));
+}
