@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Everything that must hold: format, lints, tests in parallel, real-time tests alone one at a time, documentation.
+# Needs the Rust toolchain of rust-toolchain.toml and nothing else.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+step() { printf '\n== %s (%s s)\n' "$1" "$SECONDS"; }
+
+step 'format';          cargo fmt --all --check
+step 'lints';           cargo clippy --workspace --all-targets --locked -- -D warnings
+step 'build';           cargo build --workspace --all-targets --locked
+step 'tests';           cargo test --workspace --locked
+step 'real-time tests'; cargo test --package umwelt-tests --test real_time --locked -- --test-threads=1
+step 'documentation';   RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked
+step 'done'

@@ -1,0 +1,93 @@
+//! What a robot did, and the limits that it kept.
+
+use std::collections::HashMap;
+use std::path::Path;
+use umwelt_agent::TraceRow;
+use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
+use umwelt_core::horizon::SLOT;
+use umwelt_core::kinematics::{self, Drive};
+
+/// Longest window in s over which changes of speed are looked at: longer than a whole ramp.
+const WINDOW: f64 = 0.6;
+
+/// Rounding of times and speeds in a written trace, in s of acceleration.
+const ROUNDING: f64 = 1e-3;
+
+/// Reads the trace that an agent wrote.
+///
+/// # Panics
+/// Where it is no trace.
+pub fn read(path: &Path) -> Vec<TraceRow> {
+    let text = std::fs::read_to_string(path);
+    let text = text.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    lines
+        .map(|line| {
+            let values = line.split(',').map(|value| value.parse::<f64>().ok());
+            let row: HashMap<&str, Option<f64>> = header.iter().copied().zip(values).collect();
+            let value = |name: &str| row.get(name).copied().flatten();
+            let known = |name: &str| {
+                value(name).unwrap_or_else(|| panic!("no {name} in {line:?} under {header:?}"))
+            };
+            let pose = value("x_m").map(|x| Pose::new(x, known("y_m"), known("heading_rad")));
+            let (left, right) = (known("left_rad_per_s"), known("right_rad_per_s"));
+            TraceRow { time: known("t_s"), pose, applied: WheelSpeeds { left, right } }
+        })
+        .collect()
+}
+
+/// The twist that a row commands.
+pub fn twist(drive: &Drive, row: &TraceRow) -> Twist {
+    kinematics::forward(drive, row.applied)
+}
+
+/// Checks that wheel and body speeds and their changes kept the limits of `drive` at every moment, and that there is
+/// no hole in the trace.
+///
+/// Over any time the change is what the acceleration limits allow in that time and one slot more, which may come at
+/// once as in any stepped command; the step between rest and the smallest speed is free.
+///
+/// # Panics
+/// Where a limit was not kept.
+pub fn assert_within_limits(rows: &[TraceRow], drive: &Drive) {
+    assert!(rows.len() > 10, "a trace of {} rows shows nothing", rows.len());
+    for (index, row) in rows.iter().enumerate() {
+        let now = twist(drive, row);
+        assert!(now.linear.abs() <= drive.max_linear + ROUNDING * 1e-3, "too fast: {row:?}");
+        assert!(now.angular.abs() <= drive.max_angular + ROUNDING * 1e-2, "too fast: {row:?}");
+        let wheel = row.applied.left.abs().max(row.applied.right.abs());
+        assert!(wheel <= drive.max_wheel_speed + ROUNDING * 1e-2, "wheel too fast: {row:?}");
+        for later in rows[index + 1..].iter().take_while(|later| later.time <= row.time + WINDOW) {
+            assert!(later.time >= row.time, "time goes back: {row:?} {later:?}");
+            let allowed = later.time - row.time + SLOT + ROUNDING;
+            let needed = drive.change_time(now, twist(drive, later));
+            assert!(
+                needed <= allowed,
+                "{needed} s of acceleration in {allowed} s: {row:?} {later:?}"
+            );
+        }
+    }
+}
+
+/// Checks that the robot rested from `from` to `to`, both in robot time, with a row at least every tenth of a second.
+///
+/// # Panics
+/// Where it moved, or nothing is known about a part of that time.
+pub fn assert_rests(rows: &[TraceRow], from: f64, to: f64) {
+    let mut known = from;
+    for row in rows.iter().filter(|row| (from..=to).contains(&row.time)) {
+        assert_eq!(row.applied, WheelSpeeds::ZERO, "it moves at {} s: {row:?}", row.time);
+        assert!(row.time <= known + 0.1, "nothing is known from {known} s to {} s", row.time);
+        known = row.time;
+    }
+    assert!(to <= known + 0.1, "nothing is known from {known} s to {to} s");
+}
+
+/// The last row at or before robot time `time`.
+///
+/// # Panics
+/// Where there is none.
+pub fn at(rows: &[TraceRow], time: f64) -> &TraceRow {
+    rows.iter().rfind(|row| row.time <= time).expect("the trace begins before")
+}

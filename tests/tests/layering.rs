@@ -1,0 +1,88 @@
+//! Who may import whom, read from `cargo metadata`: an arrow the wrong way fails here, not in review.
+
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+/// The packages of the workspace and which of them each may depend on, dev-dependencies included.
+const ALLOWED: [(&str, &[&str]); 6] = [
+    ("umwelt-core", &[]),
+    ("umwelt-api", &["umwelt-core"]),
+    ("umwelt-server", &["umwelt-core", "umwelt-api"]),
+    ("umwelt-client", &["umwelt-core", "umwelt-api"]),
+    ("umwelt-agent", &["umwelt-core", "umwelt-client"]),
+    (
+        "umwelt-tests",
+        &["umwelt-core", "umwelt-api", "umwelt-server", "umwelt-client", "umwelt-agent"],
+    ),
+];
+
+/// Crates that do I/O, read clocks, or speak JSON: none of them may become a dependency of core.
+const NOT_IN_CORE: [&str; 10] = [
+    "tokio",
+    "axum",
+    "hyper",
+    "reqwest",
+    "serde_json",
+    "tracing",
+    "chrono",
+    "time",
+    "rayon",
+    "rusqlite",
+];
+
+/// Direct dependencies of every package, with their kind (`normal`, `dev`, `build`).
+fn dependencies() -> BTreeMap<String, BTreeSet<(String, String)>> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--format-version", "1", "--offline", "--manifest-path"])
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml"))
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let text = |value: &Value| value.as_str().unwrap_or("normal").to_owned();
+    metadata["packages"]
+        .as_array()
+        .expect("packages")
+        .iter()
+        .map(|package| {
+            let direct = package["dependencies"].as_array().expect("dependencies").iter();
+            let direct = direct.map(|d| (text(&d["name"]), text(&d["kind"]))).collect();
+            (text(&package["name"]), direct)
+        })
+        .collect()
+}
+
+#[test]
+fn every_arrow_points_inward() {
+    let all = dependencies();
+    let known: BTreeSet<&str> = ALLOWED.iter().map(|(name, _)| *name).collect();
+    assert_eq!(all.keys().map(String::as_str).collect::<BTreeSet<_>>(), known);
+    for (package, allowed) in ALLOWED {
+        for (dependency, _) in &all[package] {
+            let ours = known.contains(dependency.as_str());
+            assert!(
+                !ours || allowed.contains(&dependency.as_str()),
+                "{package} must not depend on {dependency}"
+            );
+        }
+    }
+}
+
+#[test]
+fn core_depends_on_nothing_that_does_io() {
+    for (dependency, kind) in &dependencies()["umwelt-core"] {
+        let pure = kind != "normal" || !NOT_IN_CORE.contains(&dependency.as_str());
+        assert!(pure, "core must not depend on {dependency}");
+    }
+}
+
+#[test]
+fn axum_stays_in_the_server_and_reqwest_in_the_client() {
+    for (package, direct) in dependencies() {
+        for (dependency, _) in direct {
+            assert!(dependency != "axum" || package == "umwelt-server", "axum in {package}");
+            assert!(dependency != "reqwest" || package == "umwelt-client", "reqwest in {package}");
+        }
+    }
+}

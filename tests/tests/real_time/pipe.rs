@@ -1,0 +1,155 @@
+//! A robot behind two pipes: a camera that writes poses and motors that read wheel speeds.
+
+use crate::{ARRIVAL, arrived, give, straight_to};
+use serde_json::{Value, json};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use umwelt_agent::TraceRow;
+use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
+use umwelt_core::kinematics::{self, Drive};
+use umwelt_tests::process::{Process, SOON};
+use umwelt_tests::server::Server;
+use umwelt_tests::{trace, wait};
+
+/// Where the tasks end, in m.
+const GOAL: f64 = 0.3;
+
+/// Longest time in s without a line: a motor driver that hears nothing for a few slots stops by itself.
+const QUIET: f64 = 0.2;
+
+/// What is said on the pipes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Speech {
+    /// Poses with their time, wheel speeds.
+    Stamped,
+    /// Poses without a time, wheel speeds.
+    Unstamped,
+    /// Poses with their time, body speeds.
+    Twist,
+}
+
+/// The script: it takes a line of speeds, has moved as the line before said, and writes where it is now.
+struct Script {
+    agent: Process,
+    speech: Speech,
+    pose: Pose,
+    rows: Vec<TraceRow>,
+}
+
+impl Script {
+    fn start(server: &Server, robot: &str, speech: Speech) -> Self {
+        let url = server.url();
+        let mut arguments = vec!["--server", &url, "--robot", robot, "--drive", "pipe"];
+        if speech == Speech::Twist {
+            arguments.extend(["--output", "twist"]);
+        }
+        let agent = Process::start_with_input("umwelt-agent", &arguments);
+        Self { agent, speech, pose: Pose::default(), rows: Vec::new() }
+    }
+
+    /// Runs until `is_enough`, then closes the agent's input and takes what still comes.
+    fn run(mut self, is_enough: impl Fn(&Pose) -> bool) -> Self {
+        let mut is_open = true;
+        while let Some(line) = self.agent.line(self.rows.len()) {
+            let (time, applied) = self.read(&line);
+            if let Some(before) = self.rows.last() {
+                let twist = kinematics::forward(&Drive::default(), before.applied);
+                let passed = time - before.time;
+                assert!(passed >= 0.0, "time goes back: {line}");
+                self.pose = self.pose.then(kinematics::integrate(twist, passed));
+            }
+            self.rows.push(TraceRow { time, pose: Some(self.pose), applied });
+            if is_open && is_enough(&self.pose) {
+                self.agent.close_input();
+                is_open = false;
+            }
+            if is_open {
+                let is_taken = self.agent.write_line(&self.said(time));
+                assert!(is_taken, "the agent reads: {}", self.agent.log());
+            }
+        }
+        self
+    }
+
+    fn read(&self, line: &str) -> (f64, WheelSpeeds) {
+        let value: Value = serde_json::from_str(line)
+            .unwrap_or_else(|error| panic!("{error} on standard output: {line}"));
+        let number = |name: &str| value[name].as_f64().unwrap_or_else(|| panic!("{name}: {line}"));
+        assert_eq!(value.as_object().map(|fields| fields.len()), Some(3), "{line}");
+        let speeds = if self.speech == Speech::Twist {
+            let twist = Twist::new(number("linear_m_per_s"), number("angular_rad_per_s"));
+            kinematics::inverse(&Drive::default(), twist)
+        } else {
+            WheelSpeeds { left: number("left_rad_per_s"), right: number("right_rad_per_s") }
+        };
+        (number("t_s"), speeds)
+    }
+
+    /// Where it is at `time`.
+    fn said(&self, time: f64) -> String {
+        let Pose { x, y, heading } = self.pose;
+        let mut line = json!({"x_m": x, "y_m": y, "heading_rad": heading.radians()});
+        if self.speech != Speech::Unstamped {
+            line["t_s"] = json!(time);
+        }
+        line.to_string()
+    }
+
+    /// Checks that the agent ended well, with zeros, and kept every limit on the way.
+    async fn end(mut self) -> Vec<TraceRow> {
+        let status = self.agent.end(SOON).await;
+        assert_eq!(status.code(), Some(0), "{}", self.agent.log());
+        let last = self.rows.last().unwrap();
+        assert_eq!((last.applied.left, last.applied.right), (0.0, 0.0), "{last:?}");
+        trace::assert_within_limits(&self.rows, &Drive::default());
+        let quiet = self.rows.windows(2).map(|pair| pair[1].time - pair[0].time);
+        let quiet = quiet.fold(0.0, f64::max);
+        assert!(quiet < QUIET, "nothing for {quiet} s");
+        self.rows
+    }
+}
+
+/// The bug to fear: the one way in which a real robot is attached works in no other than the author's hands.
+#[tokio::test(flavor = "multi_thread")]
+async fn robots_behind_pipes_reach_their_waypoint() {
+    let server = Server::start();
+    let mut running = Vec::new();
+    for (name, speech) in
+        [("stamped", Speech::Stamped), ("unstamped", Speech::Unstamped), ("twist", Speech::Twist)]
+    {
+        let robot = give(&server.client, name, &straight_to(GOAL)).await;
+        let script = Script::start(&server, name, speech);
+        let is_enough = Arc::new(AtomicBool::new(false));
+        let told = Arc::clone(&is_enough);
+        let script = thread::spawn(move || script.run(|_| told.load(Ordering::Relaxed)));
+        running.push((robot, script, is_enough));
+    }
+    for (robot, script, is_enough) in running {
+        arrived(&server.client, &robot).await;
+        is_enough.store(true, Ordering::Relaxed);
+        let rows = end(script).await.end().await;
+        crate::assert_stands_at(&rows, GOAL);
+    }
+}
+
+/// The bug to fear: the camera's program dies and the robot drives on.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_robot_whose_poses_end_ramps_to_rest() {
+    let server = Server::start();
+    give(&server.client, "blind", &straight_to(2.0)).await;
+    let script = Script::start(&server, "blind", Speech::Stamped);
+    let script = thread::spawn(move || script.run(|pose| pose.x > 0.10));
+    let rows = end(script).await.end().await;
+    let drive = Drive::default();
+    let fastest = rows.iter().map(|row| trace::twist(&drive, row).linear).fold(0.0, f64::max);
+    assert!(fastest > 0.9 * drive.max_linear, "{fastest} m/s");
+    let (closed, last) = (rows.iter().find(|row| row.pose.unwrap().x > 0.10), rows.last());
+    let took = last.unwrap().time - closed.unwrap().time;
+    assert!(took < 1.0, "it took {took} s");
+}
+
+async fn end(script: thread::JoinHandle<Script>) -> Script {
+    wait::until("the end of the agent", ARRIVAL, async || script.is_finished().then_some(())).await;
+    script.join().unwrap()
+}
