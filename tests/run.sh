@@ -8,8 +8,9 @@ step() { printf '\n== %s (%s s)\n' "$1" "$SECONDS"; }
 
 step 'format';          cargo fmt --all --check
 step 'lints';           cargo clippy --workspace --all-targets --locked -- -D warnings
+                        cargo clippy --workspace --test real_time --locked -- -D warnings
 step 'build';           cargo build --workspace --all-targets --locked
 step 'tests';           cargo test --workspace --locked
-step 'real-time tests'; cargo test --package umwelt-tests --test real_time --locked -- --test-threads=1
+step 'real-time tests'; cargo test --workspace --test real_time --locked -- --test-threads=1
 step 'documentation';   RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked
 step 'done'

@@ -9,8 +9,9 @@ use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
-/// Most horizons that wait for their start; at a loop delay of 0.23 s and instant replies four wait.
-const WAITING: usize = 8;
+/// Most horizons that are held, the playing one included: at the nominal loop delay of 0.23 s and one per slot, eight
+/// wait where pose and reply take no time at all.
+const HELD: usize = 16;
 
 /// Whether a horizon will be played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub struct Playing {
 pub struct Actuation {
     drive: Drive,
     /// Ascending in sequence and in start; the first may be playing, the others wait.
-    horizons: ArrayVec<Horizon, WAITING>,
+    horizons: ArrayVec<Horizon, HELD>,
     newest: Option<u64>,
     playing: Option<Playing>,
     output: Twist,
@@ -75,10 +76,18 @@ impl Actuation {
             self.horizons.pop();
         }
         if self.horizons.is_full() {
-            self.horizons.remove(1);
+            self.horizons.remove(self.least_missed());
         }
         self.horizons.push(horizon);
         Acceptance::Newest
+    }
+
+    /// The waiting horizon that is missed least: the one before it plays on for the shortest time in its stead.
+    /// Neither the first, which may be playing, nor the last.
+    fn least_missed(&self) -> usize {
+        let gap = |i: usize| self.horizons[i + 1].start - self.horizons[i - 1].start;
+        let waiting = 1..self.horizons.len() - 1;
+        waiting.rev().min_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(1)
     }
 
     /// Forgets all horizons and ramps to rest: the answer to a stop on the robot itself.
@@ -126,10 +135,7 @@ impl Actuation {
         }
         let share = self.credit / needed;
         self.credit = 0.0;
-        Twist {
-            linear: self.output.linear + share * (demand.linear - self.output.linear),
-            angular: self.output.angular + share * (demand.angular - self.output.angular),
-        }
+        self.drive.part_way(self.output, demand, share)
     }
 
     /// The next robot time in s after the last `advance` at which the wheel speeds may change.
@@ -261,6 +267,52 @@ mod tests {
             now = jump.next_change();
             assert!(now < 1.0);
         }
+    }
+
+    /// The bug to fear: poses without delay, so that more horizons wait than are held, and none ever begins.
+    #[test]
+    fn however_early_replies_come_each_slot_plays_a_newer_horizon() {
+        for lead in [0.01, 0.23, 1.0, 2.0] {
+            let mut actuation = Actuation::new(Drive::default(), 0.0);
+            let mut played = 0;
+            for slot in 0..200_u64 {
+                let now = slot as f64 * SLOT;
+                actuation.accept(horizon(slot + 1, now + lead, &[0.02; 20]));
+                actuation.advance(now);
+                let playing = actuation.playing().map_or(0, |playing| playing.horizon);
+                assert!(playing >= played, "lead {lead}");
+                played = playing;
+            }
+            let newest_begun = 200 - (lead / SLOT) as u64;
+            // A horizon of twenty slots bridges what was thinned out.
+            assert!(played + 10 >= newest_begun, "lead {lead}: {played}");
+        }
+    }
+
+    /// A ramp to rest takes the time that the limit asks for, down to the smallest speed too.
+    #[test]
+    fn a_stop_at_any_speed_keeps_the_limit() {
+        let drive = Drive::default();
+        let mut actuation = Actuation::new(drive, 0.0);
+        actuation.accept(horizon(1, 0.0, &[0.13; 60]));
+        let mut now = 0.0;
+        while actuation.output().linear < 0.13 {
+            actuation.advance(now);
+            now = actuation.next_change().min(now + SLOT);
+        }
+        now += SLOT;
+        actuation.advance(now);
+        actuation.stop();
+        let (began, mut used) = (now, 0.0_f64);
+        while !actuation.is_at_rest() {
+            let before = actuation.output();
+            now += RAMP_STEP;
+            actuation.advance(now);
+            used = (used - RAMP_STEP).max(0.0) + drive.change_time(before, actuation.output());
+            assert!(used <= SLOT + 1e-5, "{used} s of change at {} s", now - began);
+        }
+        let limit = (0.13 - drive.min_linear) / drive.max_linear_acceleration;
+        assert!(now - began >= limit - SLOT - 1e-9 && now - began <= limit + RAMP_STEP);
     }
 
     proptest! {

@@ -107,6 +107,15 @@ impl Drive {
         }
     }
 
+    /// The twist after a `share` in 0..1 of the change from `from` to `to`, both components at once: it takes that
+    /// share of [`Drive::change_time`].
+    pub fn part_way(&self, from: Twist, to: Twist, share: f64) -> Twist {
+        Twist {
+            linear: between(from.linear, to.linear, share, self.min_linear),
+            angular: between(from.angular, to.angular, share, self.min_angular),
+        }
+    }
+
     /// Seconds of a ramp from `twist` to rest in which neither acceleration limit is exceeded.
     pub fn stopping_time(&self, twist: Twist) -> f64 {
         (twist.linear.abs() / self.max_linear_acceleration)
@@ -117,6 +126,13 @@ impl Drive {
 /// The part of `speed` beyond the band (-minimum, minimum), signed.
 fn beyond(speed: f64, minimum: f64) -> f64 {
     speed - speed.clamp(-minimum, minimum)
+}
+
+/// A `share` of the way from `from` to `to`, of which the band (-minimum, minimum) is no part.
+fn between(from: f64, to: f64, share: f64, minimum: f64) -> f64 {
+    let (start, end) = (beyond(from, minimum), beyond(to, minimum));
+    let part = start + share * (end - start);
+    if part == 0.0 { to.clamp(-minimum, minimum) } else { part + minimum.copysign(part) }
 }
 
 /// `from` moved toward `to` by at most `step` outside the band (-minimum, minimum).
@@ -276,6 +292,16 @@ mod tests {
                 at = next;
             }
             prop_assert_eq!(at, to);
+        }
+
+        #[test]
+        fn part_way_takes_its_share_of_the_time(a in -0.13..0.13f64, b in -0.13..0.13f64, wa in -1.2..1.2f64, wb in -1.2..1.2f64, share in 0.0..1.0f64) {
+            let drive = Drive::default();
+            let (from, to) = (Twist::new(a, wa), Twist::new(b, wb));
+            let part = drive.part_way(from, to, share);
+            let (first, rest) = (drive.change_time(from, part), drive.change_time(part, to));
+            let whole = drive.change_time(from, to);
+            prop_assert!((first - share * whole).abs() < 1e-9 && (rest - (1.0 - share) * whole).abs() < 1e-9);
         }
 
         #[test]
