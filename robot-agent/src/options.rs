@@ -442,7 +442,6 @@ mod tests {
             (&["--server", "ftp://h"], "http://"),
             (&["--start", "1,2"], "X,Y,HEADING"),
             (&["--trace", "/nowhere/t.csv"], "/nowhere/t.csv"),
-            (&["--robot", "Rover 7"], "an id is 1 to 63"),
         ] {
             let said = refused(arguments);
             assert!(said.contains(reason), "{arguments:?}: {said}");

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::Output;
-use super::progress::{StatusLine, wait};
+use super::progress::{PATIENCE, StatusLine, wait};
 use super::quantity::{UNKNOWN, milliseconds, or_unknown, percent, span};
 use super::table::{Column, Table};
 use crate::client::Client;
@@ -97,13 +97,14 @@ async fn watch(
                 last = Some(now);
                 changed = Instant::now();
             }
-            Ok(_) => {
+            Ok(_) if changed.elapsed() >= PATIENCE => {
                 let unchanged = span(changed.elapsed().as_secs_f64());
                 line.show(
                     "unchanged",
                     &format!("{robot}: nothing new for {unchanged}; Ctrl-C ends"),
                 );
             }
+            Ok(_) => {}
             Err(error) if error.is_transient() => {
                 line.show("no answer", &format!("still trying: {error}"));
             }

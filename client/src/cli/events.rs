@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::Output;
-use super::progress::{StatusLine, say, wait};
+use super::progress::{PATIENCE, StatusLine, say, wait};
 use super::quantity;
 use crate::client::Client;
 use crate::error::Error;
@@ -33,9 +33,6 @@ const KINDS: &[&str] = &[
     "resumed",
     "missed",
 ];
-
-/// Whoever sees nothing for so long is told that there was nothing.
-const QUIET: Duration = Duration::from_secs(2);
 
 /// What to follow.
 #[derive(Debug, Args)]
@@ -71,12 +68,12 @@ impl Follow {
         let mut events = wait(client.events(self.robot.as_ref(), self.after)).await?;
         let mut line = StatusLine::new();
         let mut last = Instant::now();
-        let mut ticks = interval_at(last + QUIET, Duration::from_secs(1));
+        let mut ticks = interval_at(last + PATIENCE, Duration::from_secs(1));
         loop {
             let event = tokio::select! {
                 event = events.next() => event,
                 _ = ticks.tick() => {
-                    if last.elapsed() >= QUIET {
+                    if last.elapsed() >= PATIENCE {
                         let quiet = quantity::span(last.elapsed().as_secs_f64());
                         line.show("quiet", &format!("nothing for {quiet}; Ctrl-C ends"));
                     }

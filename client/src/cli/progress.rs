@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::time::{Instant, interval_at};
 
 /// Whoever waits longer than this is told what for.
-const PATIENCE: Duration = Duration::from_secs(2);
+pub(super) const PATIENCE: Duration = Duration::from_secs(2);
 
 /// How often a log, as opposed to a terminal, is told that things are as they were.
 const REPEAT: Duration = Duration::from_secs(10);

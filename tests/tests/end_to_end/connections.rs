@@ -17,7 +17,7 @@ const OF_EACH: usize = 20;
 
 /// Longest time for a step that nothing disturbs. It takes a millisecond; one that waits for a stalled connection
 /// takes as long as that.
-const UNDISTURBED: Duration = Duration::from_secs(1);
+const UNDISTURBED: Duration = Duration::from_secs(2);
 
 async fn stall(server: SocketAddr, said: &str) -> TcpStream {
     let mut stream = TcpStream::connect(server).await.unwrap();
@@ -28,7 +28,7 @@ async fn stall(server: SocketAddr, said: &str) -> TcpStream {
 /// The bug to fear: whoever begins a request and does not end it takes the place of a robot.
 #[tokio::test]
 async fn half_said_requests_block_nobody_and_are_ended() {
-    let server = Server::start_with(&["--header-timeout-s", "1.5", "--body-timeout-s", "1.5"]);
+    let server = Server::start_with(&["--header-timeout-s", "3", "--body-timeout-s", "3"]);
     let robot = describe(&server.client, "rover-7").await;
     let body = "POST /v1/robots/rover-7/step HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 500\r\n\r\n{\"seq";
     let kinds =

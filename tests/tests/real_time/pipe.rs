@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use umwelt_agent::TraceRow;
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
+use umwelt_core::horizon::SLOT;
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_tests::process::{Process, SOON};
 use umwelt_tests::server::Server;
@@ -29,11 +30,13 @@ enum Speech {
     Twist,
 }
 
-/// The script: it takes a line of speeds, has moved as the line before said, and writes where it is now.
+/// The script: it takes a line of speeds, has moved as the line before said, and once per slot writes where it is.
 struct Script {
     agent: Process,
     speech: Speech,
     pose: Pose,
+    /// When the camera takes its next frame.
+    next_frame: f64,
     rows: Vec<TraceRow>,
 }
 
@@ -45,7 +48,8 @@ impl Script {
             arguments.extend(["--output", "twist"]);
         }
         let agent = Process::start_with_input("umwelt-agent", &arguments);
-        Self { agent, speech, pose: Pose::default(), rows: Vec::new() }
+        let (pose, next_frame) = (Pose::default(), f64::NEG_INFINITY);
+        Self { agent, speech, pose, next_frame, rows: Vec::new() }
     }
 
     /// Runs until `is_enough`, then closes the agent's input and takes what still comes.
@@ -64,7 +68,9 @@ impl Script {
                 self.agent.close_input();
                 is_open = false;
             }
-            if is_open {
+            if is_open && time >= self.next_frame {
+                // A line comes at every slot, a little late: a frame that waited for the next one would be missed.
+                self.next_frame = time + 0.9 * SLOT;
                 let is_taken = self.agent.write_line(&self.said(time));
                 assert!(is_taken, "the agent reads: {}", self.agent.log());
             }
