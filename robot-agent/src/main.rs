@@ -4,7 +4,7 @@ mod options;
 
 use clap::Parser;
 use options::{Options, Plan, Which};
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::error;
@@ -17,12 +17,16 @@ const WRONG_CALL: u8 = 2;
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
-        .with_env_filter(EnvFilter::new(&options.log))
-        .init();
-    match options.plan() {
+    let log = EnvFilter::try_new(&options.log).map_err(|error| format!("--log: {error}"));
+    let plan = log.and_then(|filter| {
+        tracing_subscriber::fmt()
+            .with_writer(std::io::stderr)
+            .with_ansi(std::io::stderr().is_terminal())
+            .with_env_filter(filter)
+            .init();
+        options.plan()
+    });
+    match plan {
         Ok(plan) => drive(plan),
         Err(error) => {
             // Nothing is left to be done about a closed standard error.

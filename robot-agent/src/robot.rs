@@ -7,7 +7,7 @@ use crate::report::{AgentError, Ended};
 use crate::throttle::Throttle;
 use crate::transport::{Answer, Post};
 use std::collections::VecDeque;
-use tracing::{error, info, warn};
+use tracing::{info, warn};
 use umwelt_client::Error;
 use umwelt_client::api::RobotId;
 use umwelt_client::api::problem::{Problem, Status};
@@ -177,7 +177,8 @@ impl Robot {
             Ok(Ended::Shutdown) => info!("told to end: ramping to rest"),
             Ok(Ended::Duration) => info!("time is over: ramping to rest"),
             Ok(Ended::NoMorePoses) => info!("no more poses come: ramping to rest"),
-            Err(error) => error!("{error}: ramping to rest"),
+            // Who ran it says what went wrong.
+            Err(_) => warn!("it cannot go on: ramping to rest"),
         }
         self.actuation.stop();
         self.upward.clear();

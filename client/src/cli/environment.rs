@@ -262,7 +262,7 @@ turn              rad/rad  -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.00
 drift (not used)  rad/m     0.0000       -                   -                   -        0    0.0          0.0
 
 link     loop delay: median 212 ms, 99 % of those not late within 480 ms
-late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.4 % .. 20.0 %
+late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 %
 note     no late packet in 12 deliveries says little yet
 motion   3 windows without constant motion gave no sample, 1 poses set aside
 ");

@@ -7,8 +7,6 @@ use std::io::{self, IsTerminal, Write};
 /// Where results go.
 pub(super) struct Output {
     json: bool,
-    /// Lines that the next picture replaces: those of the last one, on a terminal.
-    replaced: usize,
     terminal: bool,
     to: Box<dyn Write>,
 }
@@ -17,12 +15,12 @@ impl Output {
     /// Standard output.
     pub(super) fn standard(json: bool) -> Self {
         let to = io::stdout();
-        Self { json, replaced: 0, terminal: to.is_terminal(), to: Box::new(to) }
+        Self { json, terminal: to.is_terminal(), to: Box::new(to) }
     }
 
     #[cfg(test)]
     pub(super) fn nowhere() -> Self {
-        Self { json: false, replaced: 0, terminal: false, to: Box::new(io::sink()) }
+        Self { json: false, terminal: false, to: Box::new(io::sink()) }
     }
 
     /// Writes the one result of a command.
@@ -51,7 +49,8 @@ impl Output {
         if self.json { self.line(result, |_| String::new()) } else { Ok(()) }
     }
 
-    /// Writes the newest state of something: a line of JSON, or text in the place of the last on a terminal.
+    /// Writes the newest state of something: a line of JSON, or text, on a terminal in the place of all
+    /// before.
     pub(super) fn picture<T: Serialize>(
         &mut self,
         result: &T,
@@ -60,19 +59,14 @@ impl Output {
         if self.json {
             return self.line(result, text);
         }
-        let mut text = text(result);
+        let text = text(result);
         if self.terminal {
-            let lines = text.lines().count();
-            if self.replaced > 0 {
-                // Up to where the last picture begins, and away with it.
-                text.insert_str(0, &format!("\x1b[{}F\x1b[J", self.replaced));
-            }
-            self.replaced = lines;
+            // To the top left and away with all: lines that a narrow terminal has wrapped cannot be counted.
+            self.write(&format!("\x1b[H\x1b[2J{text}"))
         } else {
             // A blank line between two in a log.
-            text = format!("{}\n\n", text.trim_end());
+            self.write(&format!("{}\n\n", text.trim_end()))
         }
-        self.write(&text)
     }
 
     fn write(&mut self, text: &str) -> Result<(), Failure> {

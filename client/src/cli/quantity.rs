@@ -26,8 +26,9 @@ pub(super) fn milliseconds(seconds: f64) -> String {
     format!("{:.0} ms", 1e3 * seconds)
 }
 
+/// A probability; small ones matter too.
 pub(super) fn percent(ratio: f64) -> String {
-    format!("{:.1} %", 1e2 * ratio)
+    if ratio < 0.01 { format!("{:.3} %", 1e2 * ratio) } else { format!("{:.1} %", 1e2 * ratio) }
 }
 
 /// A time span, as exact as somebody wants to know.

