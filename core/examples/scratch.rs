@@ -79,6 +79,9 @@ fn main() {
                 let (o, _) = sc.run_with(seed, |r| end = r.time).unwrap();
                 sim += end;
                 arrived += u64::from(o.arrived);
+                if !o.arrived {
+                    println!("seed {seed} not arrived {o:?}");
+                }
                 if o.max_deviation > worst.0 {
                     worst = (o.max_deviation, seed);
                 }

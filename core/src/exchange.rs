@@ -94,7 +94,8 @@ pub struct Exchange {
     connection: u64,
     connected: f64,
     backoff: f64,
-    last_sent: f64,
+    /// When the next request is due, were there poses at every moment: one slot after the last one was.
+    due: f64,
     newest_taken: f64,
     observations: ArrayVec<Observation, MAX_OBSERVATIONS>,
     deliveries: ArrayVec<Delivery, MAX_DELIVERIES>,
@@ -109,7 +110,7 @@ impl Exchange {
             connection: 0,
             connected: now,
             backoff: STALL,
-            last_sent: f64::NEG_INFINITY,
+            due: f64::NEG_INFINITY,
             newest_taken: f64::NEG_INFINITY,
             observations: ArrayVec::new(),
             deliveries: ArrayVec::new(),
@@ -133,9 +134,10 @@ impl Exchange {
     /// Robot time in s at which the next request is due, given what is in flight and observed:
     /// with a new pose as soon as a slot has nearly passed since the last request, without one a little later.
     pub fn next_request(&self, now: f64) -> f64 {
-        // A camera in step with the slots jitters: a pose that comes a little early need not wait a whole slot.
-        let wait = if self.observations.is_empty() { 1.5 * SLOT } else { 0.6 * SLOT };
-        let due = (self.last_sent + wait).max(now);
+        // A camera in step with the slots jitters: a pose that comes a little early need not wait a whole slot. What
+        // came early is waited for by the next one, so that a faster camera does not speed up the slots.
+        let wait = if self.observations.is_empty() { 0.5 * SLOT } else { -0.4 * SLOT };
+        let due = (self.due + wait).max(now);
         if self.carried(self.connection) < MAX_IN_FLIGHT {
             return due;
         }
@@ -167,7 +169,7 @@ impl Exchange {
         }
         let sequence = self.next_sequence;
         self.next_sequence += 1;
-        self.last_sent = now;
+        self.due = self.due.max(now) + SLOT;
         let taken = self.observations.last().map(|observation| observation.taken);
         self.in_flight.push(InFlight { sequence, connection: self.connection, sent: now, taken });
         Some(Request {
@@ -246,6 +248,29 @@ mod tests {
         let sends = run(3.0, |_| Some(0.05));
         assert_eq!(sends.len(), 100);
         assert!(sends.iter().all(|&(_, connection)| connection == 0));
+    }
+
+    /// Whatever the camera's rate: one request per slot, and none sooner than most of a slot after the last.
+    #[test]
+    fn a_fast_camera_does_not_speed_up_the_requests() {
+        for rate in [50.0, 60.0, 90.0, 120.0, 240.0, 1000.0] {
+            let mut exchange = Exchange::new(0.0);
+            let mut sends = Vec::new();
+            for frame in 0..(3.0 * rate) as u32 {
+                let now = f64::from(frame) / rate;
+                exchange.observe(observed(now));
+                if let Some(request) = exchange.request(now, None) {
+                    sends.push(now);
+                    exchange.reply(now, request.sequence);
+                }
+            }
+            assert!(
+                (90..=101).contains(&sends.len()),
+                "{} in 100 slots at {rate} per s",
+                sends.len()
+            );
+            assert!(sends.windows(2).all(|pair| pair[1] - pair[0] > 0.6 * SLOT - 1e-9));
+        }
     }
 
     #[test]

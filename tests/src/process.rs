@@ -156,13 +156,17 @@ impl Process {
         self.child.try_wait().expect("it is our child")
     }
 
-    /// Waits for its end.
+    /// Waits for its end, and until all that it said is here.
     ///
     /// # Panics
     /// Where it does not end `within` the time.
     pub async fn end(&mut self, within: Duration) -> ExitStatus {
         let what = format!("the end of {}", self.name);
-        wait::until(&what, within, async || self.ended()).await
+        wait::until(&what, within, async || {
+            let status = self.ended()?;
+            (self.output.is_over() && self.log.is_over()).then_some(status)
+        })
+        .await
     }
 }
 
@@ -224,6 +228,10 @@ impl Lines {
 
     fn all(&self) -> Vec<String> {
         self.read().lines.clone()
+    }
+
+    fn is_over(&self) -> bool {
+        self.read().is_over
     }
 
     fn read(&self) -> MutexGuard<'_, Heard> {

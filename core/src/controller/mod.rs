@@ -143,7 +143,7 @@ impl Controller {
         for observation in &request.observations {
             self.observe(*observation, &mut events);
         }
-        let horizon = self.command(request, &mut events);
+        let horizon = self.command(request);
         self.commands.send(&horizon);
         Output { horizon, events }
     }
@@ -264,10 +264,17 @@ impl Controller {
     /// Follows the task as observed.
     fn follow_task(&mut self, observation: &Observation, events: &mut ArrayVec<Event, 8>) {
         let Some(task) = &self.task else { return };
-        let Some(target) = self.record.target(task) else { return };
-        let is_near = observation.pose.point().distance(target) <= task.tolerance;
-        let is_there = is_near && self.was_at_rest(observation.taken);
-        if let Some(phase) = self.record.observe(task, observation, is_there, events) {
+        let here = observation.pose.point();
+        let phase = if self.phase == Phase::Settling {
+            let is_settled = self.was_at_rest(observation.taken);
+            is_settled.then(|| self.record.begin(task, here, events))
+        } else {
+            let target = self.record.target(task);
+            let is_near = target.is_some_and(|target| here.distance(target) <= task.tolerance);
+            let is_there = is_near && self.was_at_rest(observation.taken);
+            self.record.observe(task, observation, is_there, events)
+        };
+        if let Some(phase) = phase {
             self.phase = phase;
             self.plan = None;
         }
@@ -283,7 +290,7 @@ impl Controller {
     }
 
     /// Plans the horizon that answers `request`.
-    fn command(&mut self, request: &Request, events: &mut ArrayVec<Event, 8>) -> Horizon {
+    fn command(&mut self, request: &Request) -> Horizon {
         let Settings { drive, slot, watchdog, loop_delay, attribution, .. } = self.settings;
         let mut horizon = Horizon {
             sequence: request.sequence,
@@ -301,7 +308,7 @@ impl Controller {
         };
         let taken = track.last.taken;
         horizon.start = horizon.start.max(taken + loop_delay).max(newest);
-        let since_change = self.enter_phase(newest, horizon.start, &track, events);
+        let since_change = self.enter_phase(newest, horizon.start);
 
         let model = self.belief.model();
         let (prediction, wheels) = self.predict(&track, &model, horizon.start, request.sequence);
@@ -326,18 +333,10 @@ impl Controller {
 
     /// The phase at the start of the new horizon: what the old plan had come to by then. Returns the time in s since
     /// the old plan's last change of command.
-    fn enter_phase(
-        &mut self,
-        old_start: f64,
-        start: f64,
-        track: &Track,
-        events: &mut ArrayVec<Event, 8>,
-    ) -> f64 {
-        let (slot, here) = (self.settings.slot, track.last.pose.point());
-        let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
-        let mut passed = |phase, time| self.record.pass(phase, time, here, legs, events);
+    fn enter_phase(&mut self, old_start: f64, start: f64) -> f64 {
+        let slot = self.settings.slot;
         let Some(plan) = &self.plan else {
-            passed(self.phase, start);
+            self.record.pass(self.phase, start);
             return slot;
         };
         // Poses need not come once per slot: a plan may begin within a slot of the old one, whose decision then stands
@@ -349,7 +348,7 @@ impl Controller {
         let last = plan.phases.len() - 1;
         let index = (whole as usize).saturating_add(usize::from(is_within)).min(last);
         for (index, phase) in plan.phases.iter().enumerate().take(index + 1) {
-            passed(*phase, old_start + index as f64 * slot);
+            self.record.pass(*phase, old_start + index as f64 * slot);
         }
         self.phase = plan.phases[index];
         if start - old_start > slot * last as f64 + PAUSE {

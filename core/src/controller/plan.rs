@@ -1,7 +1,7 @@
 //! The plan: the whole task rolled forward on the predicted pose, one slot at a time, transitions included.
 
 use super::settings::Settings;
-use super::task::{Calibration, Stage, Task};
+use super::task::{Stage, Task};
 use crate::geometry::{Displacement, Pose, Twist, WheelSpeeds};
 use crate::horizon::MAX_SLOTS;
 use crate::kinematics::{self, Drive};
@@ -40,6 +40,8 @@ pub enum Phase {
     Calibrating { turn: u32, since: Option<f64> },
     /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
     Straight { outbound: bool, origin: Pose, since: Option<f64> },
+    /// At rest before the first leg, until the robot has been seen at rest: what it does then is known for certain.
+    Settling,
     /// Turning toward waypoint `leg`, to the left (+1), to the right (-1) or not yet decided (0).
     Turning { leg: usize, side: i8 },
     /// Driving to waypoint `leg`.
@@ -55,7 +57,7 @@ impl Phase {
     pub fn first(task: &Task) -> Self {
         match task.calibration {
             Some(_) => Self::Calibrating { turn: 0, since: None },
-            None => Self::Turning { leg: 0, side: 0 },
+            None => Self::Settling,
         }
     }
 
@@ -78,7 +80,7 @@ impl Phase {
             Self::Straight { outbound, origin, .. } => {
                 Self::Straight { outbound, origin, since: None }
             }
-            Self::Idle | Self::Arrived => self,
+            Self::Idle | Self::Settling | Self::Arrived => self,
         }
     }
 
@@ -89,7 +91,7 @@ impl Phase {
             Self::Calibrating { .. } | Self::Straight { .. } => Stage::Calibrating,
             Self::Turning { .. } => Stage::Turning,
             Self::Driving { .. } => Stage::Driving,
-            Self::Stopping { .. } => Stage::Stopping,
+            Self::Settling | Self::Stopping { .. } => Stage::Stopping,
             Self::Arrived => Stage::Arrived,
         }
     }
@@ -221,7 +223,7 @@ impl Roll<'_> {
         for _ in 0..8 {
             let before = self.state.phase;
             let desired = match before {
-                Phase::Idle | Phase::Arrived => Some(Twist::ZERO),
+                Phase::Idle | Phase::Settling | Phase::Arrived => Some(Twist::ZERO),
                 Phase::Calibrating { turn, since } => self.rotate(task, turn, since),
                 Phase::Straight { outbound, origin, since } => {
                     self.straight(task, outbound, origin, since)
@@ -263,7 +265,7 @@ impl Roll<'_> {
                 let origin = self.state.prediction.mean();
                 Phase::Straight { outbound: true, origin, since: None }
             } else {
-                Phase::Turning { leg: 0, side: 0 }
+                Phase::Settling
             };
             return None;
         };
@@ -300,7 +302,7 @@ impl Roll<'_> {
             self.state.phase = if outbound {
                 Phase::Straight { outbound: false, origin, since: None }
             } else {
-                Phase::Turning { leg: 0, side: 0 }
+                Phase::Settling
             };
             return None;
         }
@@ -314,7 +316,8 @@ impl Roll<'_> {
         }
         let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
         let (ahead, aside) = pose.toward(target);
-        if side == 0 && self.rests() && ahead.hypot(aside) <= task.tolerance {
+        // Where the robot stands on the point, its direction is noise: nothing to turn to.
+        if ahead.hypot(aside) <= task.tolerance {
             self.state.phase = Phase::Stopping { leg, since: None };
             return None;
         }

@@ -14,8 +14,6 @@ use serde::{Deserialize, Serialize};
 pub struct Record {
     /// Waypoints at which the robot was seen at rest.
     reached: usize,
-    /// Whether the robot was last seen at rest at the first waypoint before the task began.
-    begins_there: bool,
     /// Where the task began, once it did.
     origin: Option<Point>,
     /// Robot time in s since when the task counts.
@@ -39,26 +37,33 @@ impl Record {
         Some((if self.reached == 0 { origin } else { task.waypoints[self.reached - 1] }, target))
     }
 
-    /// The plan in force passes through `phase` at robot time `time`, the robot being last seen at `here`.
-    pub fn pass(
-        &mut self,
-        phase: Phase,
-        time: f64,
-        here: Point,
-        legs: usize,
-        events: &mut ArrayVec<Event, 8>,
-    ) {
+    /// The task begins: the robot was seen at rest at `here`. Returns its first phase.
+    pub fn begin(&mut self, task: &Task, here: Point, events: &mut ArrayVec<Event, 8>) -> Phase {
+        self.origin = Some(here);
+        let _ = events.try_push(Event::CalibrationEnded);
+        let is_there =
+            self.target(task).is_some_and(|first| here.distance(first) <= task.tolerance);
+        let done = is_there.then(|| self.reach(task, events)).flatten();
+        done.unwrap_or(Phase::Turning { leg: self.reached, side: 0 })
+    }
+
+    /// The robot was seen at rest at the waypoint to be reached next; what that means if it was the last.
+    fn reach(&mut self, task: &Task, events: &mut ArrayVec<Event, 8>) -> Option<Phase> {
+        let _ = events.try_push(Event::WaypointReached { leg: self.reached });
+        self.reached += 1;
+        self.left = None;
+        let is_done = self.reached == task.waypoints.len();
+        is_done.then(|| {
+            let _ = events.try_push(Event::Arrived);
+            Phase::Arrived
+        })
+    }
+
+    /// The plan in force passes through `phase` at robot time `time`.
+    pub fn pass(&mut self, phase: Phase, time: f64) {
         let Some(leg) = phase.leg() else { return };
         if self.began.is_none() {
             self.began = Some(time - self.elapsed);
-            if self.origin.is_none() {
-                self.origin = Some(here);
-                let _ = events.try_push(Event::CalibrationEnded);
-                if self.begins_there && legs > 1 {
-                    self.reached = 1;
-                    let _ = events.try_push(Event::WaypointReached { leg: 0 });
-                }
-            }
         }
         if leg > self.reached && self.left.is_none() {
             self.left = Some(time);
@@ -75,10 +80,7 @@ impl Record {
         is_there: bool,
         events: &mut ArrayVec<Event, 8>,
     ) -> Option<Phase> {
-        let (Some(began), Some((from, to))) = (self.began, self.leg(task)) else {
-            self.begins_there = is_there;
-            return None;
-        };
+        let (Some(began), Some((from, to))) = (self.began, self.leg(task)) else { return None };
         if observation.taken < began {
             return None;
         }
@@ -86,13 +88,7 @@ impl Record {
         self.max_deviation = self.max_deviation.max(self.deviation);
         self.elapsed = observation.taken - began;
         if is_there {
-            let _ = events.try_push(Event::WaypointReached { leg: self.reached });
-            self.reached += 1;
-            self.left = None;
-            if self.reached == task.waypoints.len() {
-                let _ = events.try_push(Event::Arrived);
-                return Some(Phase::Arrived);
-            }
+            return self.reach(task, events);
         } else if self.left.is_some_and(|left| observation.taken > left + SLOT) {
             self.left = None;
             return Some(Phase::Turning { leg: self.reached, side: 0 });

@@ -1,4 +1,4 @@
-//! Robots in real time: run alone and one at a time (`--test-threads=1`), in about two minutes.
+//! Robots in real time: run alone and one at a time (`--test-threads=1`), in about a minute.
 //!
 //! Where a test waits for a fixed time, that is how long a fault lasts, not a hope that something has happened.
 

@@ -18,8 +18,8 @@ use umwelt_tests::{trace, wait};
 const THERE: f64 = 0.15;
 const BACK: f64 = 0.0;
 
-/// Longest time in s without a line: a motor driver that hears nothing for a few slots stops by itself.
-const QUIET: f64 = 0.2;
+/// Longest time in s without a line: a motor driver that hears nothing for so long stops by itself.
+const QUIET: f64 = 0.3;
 
 /// What is said on the pipes.
 #[derive(Clone, Copy, Debug, PartialEq)]
