@@ -49,7 +49,7 @@ impl Condition {
         };
         let remedy = "get it, decide anew, and send its etag in If-Match";
         let given = versions.join(", ");
-        Err(Failure::new(Status::FailedPrecondition, message).with(Detail::new(
+        Err(Failure::new(Status::Aborted, message).with(Detail::new(
             reason::ETAG_MISMATCH,
             "If-Match",
             given,

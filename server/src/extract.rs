@@ -11,9 +11,6 @@ use std::sync::Arc;
 use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
 
-/// Longest body but for a step: a task of 1000 waypoints has 100 KB.
-pub(crate) const MAX_BODY: usize = 1024 * 1024;
-
 /// The `{robot}` of a path, valid but perhaps unknown.
 pub(crate) struct Id(pub(crate) RobotId);
 
@@ -43,7 +40,7 @@ impl FromRequestParts<App> for Known {
 }
 
 /// A JSON body of at most `LIMIT` bytes, all of it here.
-pub(crate) struct Body<const LIMIT: usize = MAX_BODY>(pub(crate) Bytes);
+pub(crate) struct Body<const LIMIT: usize>(pub(crate) Bytes);
 
 impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
     type Rejection = Failure;

@@ -10,13 +10,13 @@ use crate::fleet::Put;
 use axum::extract::State;
 use axum::http::StatusCode;
 use tokio::time::Instant;
-use umwelt_api::robot::{Page, Spec};
+use umwelt_api::robot::{self, Page, Spec};
 
 pub(crate) async fn put(
     State(app): State<App>,
     Id(id): Id,
     condition: Condition,
-    Body(body): Body,
+    Body(body): Body<{ robot::MAX_BODY }>,
 ) -> Result {
     let settings = Spec::read(&body)?.to_core()?;
     let (robot, put) = app.fleet.put(id, settings, condition).await?;

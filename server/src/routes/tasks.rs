@@ -9,13 +9,13 @@ use crate::failure::{Result, no_task};
 use crate::robot::Robot;
 use axum::extract::State;
 use axum::http::StatusCode;
-use umwelt_api::task::Spec;
+use umwelt_api::task::{self, Spec};
 
 pub(crate) async fn put(
     State(app): State<App>,
     Known(robot): Known,
     condition: Condition,
-    Body(body): Body,
+    Body(body): Body<{ task::MAX_BODY }>,
 ) -> Result {
     let task = Spec::read(&body)?.to_core()?;
     let put = app.fleet.put_task(robot.clone(), task, condition).await?;

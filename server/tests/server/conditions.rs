@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 const ROBOT: &str = "/v1/robots/r";
 const TASK: &str = "/v1/robots/r/task";
-const MISMATCH: (&str, &str) = ("FAILED_PRECONDITION", "ETAG_MISMATCH");
+const MISMATCH: (&str, &str) = ("ABORTED", "ETAG_MISMATCH");
 
 fn pair((status, reason): (&str, &str)) -> (String, String) {
     (status.to_owned(), reason.to_owned())
@@ -24,7 +24,7 @@ async fn a_robot_is_only_written_over_as_it_was_seen() {
     let second = put(first, r#"{"horizon_slots": 2}"#).await;
     assert_eq!(second.code, 200);
     let lost_update = put(first, r#"{"horizon_slots": 3}"#).await;
-    assert_eq!(lost_update.code, 400);
+    assert_eq!(lost_update.code, 409);
     assert_eq!(lost_update.problem(), pair(MISMATCH));
     assert_eq!(api.get(ROBOT).await.json()["spec"]["horizon_slots"], 2);
     // The etag of the body, without quotes, is as good.
@@ -58,14 +58,14 @@ async fn a_task_has_its_own_version() {
 async fn of_two_who_create_the_same_robot_one_is_told_that_it_exists() {
     let gate = Arc::new(Gate::default());
     let api = Api::with(crate::api::config(), gate.clone()).await;
-    gate.shut();
+    let shut = gate.shut();
     let create = |api: Api| async move {
         api.call("PUT", ROBOT, &[JSON, ("if-none-match", "*")], "{}").await.code
     };
     let first = tokio::spawn(create(api.clone()));
     let second = tokio::spawn(create(api.clone()));
     gate.reached(1).await;
-    gate.open();
+    drop(shut);
     let mut codes = [first.await.unwrap(), second.await.unwrap()];
     codes.sort_unstable();
     assert_eq!(codes, [201, 409]);

@@ -63,13 +63,10 @@ pub(crate) struct Gate {
 }
 
 impl Gate {
-    pub(crate) fn shut(&self) {
+    /// Shuts the gate until what is returned is dropped, so that a test that fails leaves nobody waiting.
+    pub(crate) fn shut(self: &Arc<Self>) -> Shut {
         *self.is_shut.lock().unwrap() = true;
-    }
-
-    pub(crate) fn open(&self) {
-        *self.is_shut.lock().unwrap() = false;
-        self.opened.notify_all();
+        Shut(Arc::clone(self))
     }
 
     /// Waits until `count` writers stand at the gate.
@@ -85,6 +82,16 @@ impl Gate {
         while *is_shut {
             is_shut = self.opened.wait(is_shut).unwrap();
         }
+    }
+}
+
+/// A gate that is shut.
+pub(crate) struct Shut(Arc<Gate>);
+
+impl Drop for Shut {
+    fn drop(&mut self) {
+        *self.0.is_shut.lock().unwrap() = false;
+        self.0.opened.notify_all();
     }
 }
 
@@ -162,7 +169,7 @@ async fn a_store_that_hangs_slows_neither_steps_nor_stops_nor_other_robots() {
     let gate = Arc::new(Gate::default());
     let api = Api::with(config(), gate.clone()).await;
     api.add("r").await;
-    gate.shut();
+    let shut = gate.shut();
     let changing = tokio::spawn({
         let api = api.clone();
         async move { api.put("/v1/robots/r", json!({"horizon_slots": 3})).await }
@@ -188,7 +195,7 @@ async fn a_store_that_hangs_slows_neither_steps_nor_stops_nor_other_robots() {
         tokio::task::yield_now().await;
     }
     assert_eq!(stopping_all.await.unwrap().code, 200, "before the store answers");
-    gate.open();
+    drop(shut);
     assert_eq!(changing.await.unwrap().code, 200);
     assert_eq!(stopping.await.unwrap().code, 200);
 }
