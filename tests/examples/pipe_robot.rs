@@ -5,6 +5,8 @@
 //!
 //! `cargo run --release --example pipe_robot -- rover-8 [SERVER] [SECONDS]`
 
+#![allow(clippy::print_stdout, reason = "an example prints")]
+
 use serde_json::{Value, json};
 use std::error::Error;
 use std::io::{BufRead, BufReader, Write};
