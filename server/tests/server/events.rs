@@ -42,12 +42,18 @@ impl Stream {
         }
     }
 
-    /// The next event, whose three lines must agree.
+    /// The next event, whose three lines must agree. None at the end of the stream.
     async fn next(&mut self) -> Option<Value> {
-        let mut block = self.block().await?;
-        while block.starts_with(':') {
-            block = self.block().await?;
-        }
+        let event = async {
+            loop {
+                let block = self.block().await?;
+                if !block.starts_with(':') {
+                    return Some(block);
+                }
+            }
+        };
+        let event = tokio::time::timeout(Duration::from_secs(60), event);
+        let block = event.await.expect("an event, or the end, within a minute")?;
         let field = |name: &str| block.lines().find_map(|line| line.strip_prefix(name));
         let event: Value = serde_json::from_str(field("data: ").unwrap()).unwrap();
         assert_eq!(field("id: ").unwrap(), event["id"].to_string());
@@ -88,12 +94,9 @@ async fn what_happens_to_a_robot_is_told_in_order() {
     api.delete("/v1/robots/r/task").await;
     api.delete("/v1/robots/r").await;
     let mut events = Vec::new();
-    let to_the_end = async {
-        while let Some(event) = stream.next().await {
-            events.push(event);
-        }
-    };
-    tokio::time::timeout(Duration::from_secs(60), to_the_end).await.expect("the stream ends");
+    while let Some(event) = stream.next().await {
+        events.push(event);
+    }
     let told = types(&events);
     let told: Vec<_> = told.into_iter().filter(|name| *name != "calibration_ended").collect();
     assert_eq!(told[..2], ["link", "epoch"]);
