@@ -53,6 +53,26 @@ pub mod reason {
     pub const ETAG_MISMATCH: &str = "ETAG_MISMATCH";
     /// The body is larger than allowed.
     pub const BODY_TOO_LARGE: &str = "BODY_TOO_LARGE";
+    /// The robot is stopping with the server.
+    pub const DRAINING: &str = "DRAINING";
+    /// The robot's clock ran backwards within an epoch.
+    pub const CLOCK_WENT_BACK: &str = "CLOCK_WENT_BACK";
+    /// The robot has more requests waiting than it can answer in time.
+    pub const QUEUE_FULL: &str = "QUEUE_FULL";
+    /// A limit of the server is reached.
+    pub const LIMIT_REACHED: &str = "LIMIT_REACHED";
+    /// The path exists, the method does not.
+    pub const METHOD_NOT_ALLOWED: &str = "METHOD_NOT_ALLOWED";
+    /// The body is in another format.
+    pub const UNSUPPORTED_MEDIA_TYPE: &str = "UNSUPPORTED_MEDIA_TYPE";
+    /// The body did not arrive in time.
+    pub const BODY_TIMEOUT: &str = "BODY_TIMEOUT";
+    /// The store did not keep it.
+    pub const STORE_FAILED: &str = "STORE_FAILED";
+    /// The part of the server that drove the robot failed.
+    pub const TASK_DIED: &str = "TASK_DIED";
+    /// A robot that could not be told.
+    pub const NOT_TOLD: &str = "NOT_TOLD";
 }
 
 /// One thing that is wrong.

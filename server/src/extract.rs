@@ -65,7 +65,7 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
                 let message = format!("the body did not arrive within {} s", timeout.as_secs_f64());
                 let remedy = "send the whole body at once";
                 Err(Failure::new(Status::DeadlineExceeded, message)
-                    .with(Detail::new(failure::BODY_TIMEOUT, "", (), remedy))
+                    .with(Detail::new(reason::BODY_TIMEOUT, "", (), remedy))
                     .under(StatusCode::REQUEST_TIMEOUT))
             }
         }
@@ -87,7 +87,7 @@ fn expect_json(headers: &HeaderMap) -> Result<(), Failure> {
         return Ok(());
     }
     let remedy = "send Content-Type: application/json";
-    let detail = Detail::new(failure::UNSUPPORTED_MEDIA_TYPE, "Content-Type", given, remedy);
+    let detail = Detail::new(reason::UNSUPPORTED_MEDIA_TYPE, "Content-Type", given, remedy);
     Err(Failure::new(Status::InvalidArgument, "the body is not declared as JSON")
         .with(detail)
         .under(StatusCode::UNSUPPORTED_MEDIA_TYPE))

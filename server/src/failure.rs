@@ -7,23 +7,6 @@ use axum::response::{IntoResponse, Response};
 use umwelt_api::problem::{Detail, ErrorBody, Problem, Problems, Status, reason};
 use umwelt_api::{InvalidId, RobotId};
 
-/// The robot is stopping with the server.
-pub(crate) const DRAINING: &str = "DRAINING";
-/// The robot's clock ran backwards within an epoch.
-pub(crate) const CLOCK_WENT_BACK: &str = "CLOCK_WENT_BACK";
-/// The robot has more requests waiting than it can answer in time.
-pub(crate) const QUEUE_FULL: &str = "QUEUE_FULL";
-/// A limit of the server is reached.
-pub(crate) const LIMIT_REACHED: &str = "LIMIT_REACHED";
-/// The path exists, the method does not.
-pub(crate) const METHOD_NOT_ALLOWED: &str = "METHOD_NOT_ALLOWED";
-/// The body is in another format.
-pub(crate) const UNSUPPORTED_MEDIA_TYPE: &str = "UNSUPPORTED_MEDIA_TYPE";
-/// The body did not arrive in time.
-pub(crate) const BODY_TIMEOUT: &str = "BODY_TIMEOUT";
-/// The store did not keep it.
-pub(crate) const STORE_FAILED: &str = "STORE_FAILED";
-
 /// Seconds to wait before asking again, where waiting helps.
 const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");
 
@@ -80,7 +63,7 @@ impl From<StoreError> for Failure {
             StoreError::Damaged(_) => Status::DataLoss,
         };
         let remedy = "nothing was changed; robots that drive go on driving";
-        Self::new(status, error.to_string()).with(Detail::new(STORE_FAILED, "", (), remedy))
+        Self::new(status, error.to_string()).with(Detail::new(reason::STORE_FAILED, "", (), remedy))
     }
 }
 
@@ -122,7 +105,7 @@ pub(crate) fn no_task(robot: &RobotId) -> Failure {
 pub(crate) fn draining() -> Failure {
     let remedy = "ask again when the server is back";
     Failure::new(Status::Unavailable, "the server is shutting down").with(Detail::new(
-        DRAINING,
+        reason::DRAINING,
         "",
         (),
         remedy,
@@ -133,7 +116,7 @@ pub(crate) fn limit_reached(what: &str, limit: usize) -> Failure {
     let message = format!("there are {limit} {what} already, which is the limit");
     let remedy = "remove or end some, or start the server with a higher limit";
     Failure::new(Status::ResourceExhausted, message).with(Detail::new(
-        LIMIT_REACHED,
+        reason::LIMIT_REACHED,
         "",
         limit,
         remedy,

@@ -57,7 +57,7 @@ async fn no_such_path(request: Request) -> Failure {
 
 async fn no_such_method(request: Request) -> Failure {
     let method = request.method().as_str();
-    let detail = Detail::new(failure::METHOD_NOT_ALLOWED, "", method, "use one that Allow names");
+    let detail = Detail::new(reason::METHOD_NOT_ALLOWED, "", method, "use one that Allow names");
     Failure::new(Status::Unimplemented, format!("there is no {method} at this path"))
         .with(detail)
         .under(StatusCode::METHOD_NOT_ALLOWED)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::time::timeout;
-use umwelt_api::problem::{Detail, MAX_DETAILS, Status};
+use umwelt_api::problem::{Detail, MAX_DETAILS, Status, reason};
 
 /// Longest wait for one robot where all are told something: a robot whose task hangs must not hide
 /// that the others were told.
@@ -112,6 +112,6 @@ fn all_told(told: Vec<(Arc<Robot>, Result<(), Failure>)>) -> Result<usize, Failu
     let missed = missed.into_iter().take(MAX_DETAILS);
     Err(missed.fold(Failure::new(Status::Unavailable, message), |failure, (robot, _)| {
         let remedy = "ask again for this one";
-        failure.with(Detail::new("NOT_TOLD", "robot", robot.id().as_str(), remedy))
+        failure.with(Detail::new(reason::NOT_TOLD, "robot", robot.id().as_str(), remedy))
     }))
 }

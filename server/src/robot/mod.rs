@@ -79,7 +79,7 @@ impl Robot {
                 let message = format!("robot {} has {QUEUE} requests waiting", self.id);
                 let remedy = "send one request per slot";
                 return Err(Failure::new(Status::ResourceExhausted, message).with(Detail::new(
-                    failure::QUEUE_FULL,
+                    reason::QUEUE_FULL,
                     "",
                     QUEUE,
                     remedy,
@@ -110,7 +110,7 @@ impl Robot {
         }
         tracing::error!(robot = %self.id, "the robot's task has died");
         failure::internal(format!("the task of robot {} has died", self.id)).with(Detail::new(
-            "TASK_DIED",
+            reason::TASK_DIED,
             "robot",
             self.id.as_str(),
             "describe it anew: PUT /v1/robots/{robot}; please report what the log says",
@@ -131,7 +131,7 @@ impl From<Refusal> for Failure {
                 let message = format!("the robot's clock went back from {newest} s to {sent} s");
                 let remedy = "begin a new epoch when the clock restarts";
                 Self::new(Status::FailedPrecondition, message).with(Detail::new(
-                    failure::CLOCK_WENT_BACK,
+                    reason::CLOCK_WENT_BACK,
                     "sent_s",
                     sent,
                     remedy,
@@ -181,7 +181,7 @@ mod tests {
     #[tokio::test]
     async fn a_robot_whose_task_has_died_says_so_and_shows_as_lost() {
         let robot = Robot::dead("r").await;
-        let died = |failure: Failure| format!("{failure:?}").contains("TASK_DIED");
+        let died = |failure: Failure| format!("{failure:?}").contains(reason::TASK_DIED);
         assert!(died(robot.step(request(), 7).await.unwrap_err()));
         assert!(died(robot.tell(Command::Stop).await.unwrap_err()));
         assert_eq!(robot.snapshot().state(), umwelt_api::robot::State::Lost);
