@@ -404,12 +404,15 @@ impl Roll<'_> {
         let distance = ahead.hypot(aside);
         let onward = if reverse { -ahead } else { ahead };
         let error = heading_error(ahead, aside, reverse).abs();
-        if distance <= law.stop_radius
-            || (distance <= tolerance && (onward <= 0.0 || error > law.turn_beyond))
-        {
+        // Far off, or off by so much at so great a distance that the curve would leave the path: as after a silence
+        // in the middle of a turn. Close to the point neither is worth a stop.
+        let strays = error > 2.0 * law.turn_tolerance && STRAY * error * distance > tolerance;
+        let off_heading = error > law.turn_beyond || strays;
+        let passed = onward <= 0.0;
+        if distance <= law.stop_radius || (distance <= tolerance && (passed || off_heading)) {
             return Approach::Reached;
         }
-        if onward <= 0.0 || error > law.turn_beyond {
+        if passed || off_heading {
             return Approach::OffHeading;
         }
         let wanted = steering::curve(ahead, aside, law.alpha);

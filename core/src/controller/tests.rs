@@ -308,6 +308,18 @@ fn a_waypoint_that_was_missed_is_driven_to_again() {
     assert_eq!(events.last(), Some(&Event::Arrived));
 }
 
+/// After a silence in the middle of a turn the robot may face well off its way: on the curve alone it would leave the
+/// path by a quarter of error x distance (13 cm here).
+#[test]
+fn a_heading_well_off_is_turned_back_in_place() {
+    let mut ideal = Ideal::new(standing(Settings::default(), to(1.2, 0.0)));
+    ideal.run(60);
+    ideal.pose.heading = ideal.pose.heading + 0.5;
+    assert!(ideal.run(600).contains(&Event::Arrived));
+    let progress = ideal.controller.progress();
+    assert!(progress.max_deviation < 0.05, "{}", progress.max_deviation);
+}
+
 #[test]
 fn a_stored_state_goes_on_as_if_nothing_had_happened() {
     let mut ideal = Ideal::new(standing(Settings::default(), Task::thesis()));
