@@ -71,8 +71,9 @@ impl Commands {
             kinematics::forward(drive, speeds)
         };
         let since = |i: usize| self.played[i].playing.since;
-        let recent = (1..self.played.len()).rev().take_while(|&i| since(i) > from - LONGEST_SPREAD);
-        let jumps = recent.into_iter().any(|i| {
+        let mut recent =
+            (1..self.played.len()).rev().take_while(|&i| since(i) > from - LONGEST_SPREAD);
+        let jumps = recent.any(|i| {
             let since = since(i);
             let spread = drive.change_time(played(i - 1, since - SLOT / 2.0), played(i, since));
             since < to && since + spread > from && spread > 2.0 * SLOT

@@ -215,6 +215,18 @@ pub fn follow(
     )
 }
 
+/// How the robot gets from wheel speeds `current` toward `command` in `duration` s with its own lag: its wheel speeds at
+/// the end, and its mean twist over the time.
+pub fn travel(
+    drive: &Drive,
+    current: WheelSpeeds,
+    command: WheelSpeeds,
+    duration: f64,
+) -> (WheelSpeeds, Twist) {
+    let (end, mean) = follow(drive.lag, current, command, duration);
+    (end, forward(drive, mean))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -267,9 +267,8 @@ impl Plant {
     /// Moves on by `duration` s within one cell and under one command.
     fn step(&mut self, duration: f64) {
         let drive = &self.model.drive;
-        let (end, mean) = kinematics::follow(drive.lag, self.speeds, self.in_force, duration);
+        let (end, twist) = kinematics::travel(drive, self.speeds, self.in_force, duration);
         self.speeds = end;
-        let twist = kinematics::forward(drive, mean);
         let (length, turn) = (twist.linear * duration, twist.angular * duration);
         self.pose = self.pose.then(slipped(&self.model.slip, length, turn, self.cell));
         self.time += duration;

@@ -1,4 +1,4 @@
-//! A robot behind pipes, in sixty lines: what a camera tracker and a motor driver have to do.
+//! A robot behind pipes, in seventy lines: what a camera tracker and a motor driver have to do.
 //!
 //! It starts `umwelt-agent --drive pipe`, reads wheel speeds from its standard output, moves as they say, and writes
 //! the poses that a camera would see to its standard input.

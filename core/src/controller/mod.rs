@@ -17,7 +17,7 @@ use crate::identification::{Belief, Verdict, Window};
 use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Motion, Prediction};
 use arrayvec::ArrayVec;
-use plan::{Phase, Plan, REST_SLOTS, Start};
+use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
 use serde::{Deserialize, Serialize};
 use settings::{Attribution, PredictorKind, Settings};
@@ -108,7 +108,8 @@ pub struct Controller {
     doubt: Option<Doubt>,
     task: Option<Task>,
     phase: Phase,
-    plan: Option<Plan>,
+    /// The phases of the plan in force, which is the newest horizon sent.
+    phases: Option<Phases>,
     record: Record,
     stopped: bool,
 }
@@ -125,7 +126,7 @@ impl Controller {
             doubt: None,
             task: None,
             phase: Phase::Idle,
-            plan: None,
+            phases: None,
             record: Record::default(),
             stopped: false,
         }
@@ -211,9 +212,8 @@ impl Controller {
         let (mut window, mut moved, mut wheels) =
             (track.window, Displacement::default(), track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
-            let (end, mean) = kinematics::follow(drive.lag, wheels, speeds, duration);
-            window.add(drive, mean, duration);
-            let twist = kinematics::forward(drive, mean);
+            let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
+            window.add(twist, duration);
             moved = moved.then(kinematics::integrate(twist, duration));
             wheels = end;
         });
@@ -276,7 +276,7 @@ impl Controller {
         };
         if let Some(phase) = phase {
             self.phase = phase;
-            self.plan = None;
+            self.phases = None;
         }
     }
 
@@ -326,8 +326,8 @@ impl Controller {
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let plan = plan::plan(&self.settings, &model, self.task.as_ref(), start);
-        horizon.speeds = plan.speeds.clone();
-        self.plan = Some(plan);
+        horizon.speeds = plan.speeds;
+        self.phases = Some(plan.phases);
         horizon
     }
 
@@ -335,7 +335,7 @@ impl Controller {
     /// the old plan's last change of command.
     fn enter_phase(&mut self, old_start: f64, start: f64) -> f64 {
         let slot = self.settings.slot;
-        let Some(plan) = &self.plan else {
+        let Some(phases) = &self.phases else {
             self.record.pass(self.phase, start);
             return slot;
         };
@@ -345,12 +345,12 @@ impl Controller {
         let whole = (slots + SAME_SLOT).floor();
         let within = (slots - whole).max(0.0);
         let is_within = within > SAME_SLOT;
-        let last = plan.phases.len() - 1;
+        let last = phases.len() - 1;
         let index = (whole as usize).saturating_add(usize::from(is_within)).min(last);
-        for (index, phase) in plan.phases.iter().enumerate().take(index + 1) {
+        for (index, phase) in phases.iter().enumerate().take(index + 1) {
             self.record.pass(*phase, old_start + index as f64 * slot);
         }
-        self.phase = plan.phases[index];
+        self.phase = phases[index];
         if start - old_start > slot * last as f64 + PAUSE {
             self.phase = self.phase.resumed();
         }
@@ -376,10 +376,8 @@ impl Controller {
         let mut wheels = track.wheels;
         // Commands act a dead time after they come into force, those of the horizon too.
         self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
-            let (end, mean) = kinematics::follow(drive.lag, wheels, speeds, duration);
-            let twist = kinematics::forward(drive, mean);
-            let (length, turn) = (twist.linear * duration, twist.angular * duration);
-            prediction.advance(model, Motion { length, turn, duration });
+            let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
+            prediction.advance(model, Motion::new(twist, duration));
             wheels = end;
         });
         (prediction, wheels)
@@ -388,7 +386,7 @@ impl Controller {
     /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
     pub fn set_task(&mut self, task: Task) {
         self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
-        self.plan = None;
+        self.phases = None;
         self.record = Record::default();
         self.task = Some(task);
     }
@@ -397,7 +395,7 @@ impl Controller {
     pub fn cancel_task(&mut self) {
         self.task = None;
         self.phase = Phase::Idle;
-        self.plan = None;
+        self.phases = None;
         self.record = Record::default();
     }
 
@@ -422,7 +420,7 @@ impl Controller {
         self.belief.link.restart_clock();
         self.track = None;
         self.doubt = None;
-        self.plan = None;
+        self.phases = None;
         self.phase = self.phase.resumed();
         self.record.restart_clock();
     }
@@ -441,7 +439,7 @@ impl Controller {
             self.belief = Belief::new(settings.method, &settings.prior, settings.drift);
         }
         self.settings = settings;
-        self.plan = None;
+        self.phases = None;
     }
 
     /// The settings.

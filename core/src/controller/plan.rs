@@ -120,13 +120,16 @@ pub struct Start {
     pub rest: f64,
 }
 
-/// A plan: a command per slot, and the phase at the beginning of each and at the end of the last.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
+pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;
+
+/// A plan: a command per slot, and the phases that they lead through.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Wheel speeds per slot.
     pub speeds: ArrayVec<WheelSpeeds, MAX_SLOTS>,
     /// One more phase than slots.
-    pub phases: ArrayVec<Phase, { MAX_SLOTS + 1 }>,
+    pub phases: Phases,
 }
 
 /// Rolls the task forward.
@@ -179,10 +182,8 @@ impl Roll<'_> {
     fn motion(&self, command: Twist) -> (WheelSpeeds, Motion) {
         let (drive, duration) = (&self.settings.drive, self.settings.slot);
         let speeds = kinematics::inverse(drive, command);
-        let (end, mean) = kinematics::follow(drive.lag, self.state.wheels, speeds, duration);
-        let twist = kinematics::forward(drive, mean);
-        let (length, turn) = (twist.linear * duration, twist.angular * duration);
-        (end, Motion { length, turn, duration })
+        let (end, twist) = kinematics::travel(drive, self.state.wheels, speeds, duration);
+        (end, Motion::new(twist, duration))
     }
 
     /// The fastest command along `desired` whose variance at the end of its slot is under the limits

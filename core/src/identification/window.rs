@@ -2,7 +2,7 @@
 
 use crate::controller::settings::PoseNoise;
 use crate::exchange::Observation;
-use crate::geometry::{Displacement, Twist, WheelSpeeds};
+use crate::geometry::{Displacement, Twist};
 use crate::horizon::SLOT;
 use crate::kinematics::{self, Drive};
 use crate::prediction::ERROR_WINDOW;
@@ -86,9 +86,8 @@ impl Window {
         }
     }
 
-    /// Adds a piece of commanded motion: mean wheel speeds over `duration` s.
-    pub fn add(&mut self, drive: &Drive, mean: WheelSpeeds, duration: f64) {
-        let twist = kinematics::forward(drive, mean);
+    /// Adds a piece of commanded motion: the mean twist over `duration` s.
+    pub fn add(&mut self, twist: Twist, duration: f64) {
         let (length, turn) = (twist.linear * duration, twist.angular * duration);
         self.nominal = self.nominal.then(kinematics::arc(length, turn));
         self.duration += duration;
@@ -183,12 +182,11 @@ mod tests {
 
     /// A window of `slots` slots at `twist`, in a robot whose forward and turn ratios are off as given.
     fn driven(twist: Twist, slots: u32, forward: f64, turn: f64) -> (Window, Observation) {
-        let drive = Drive::default();
         let start = Pose::new(0.3, -0.2, 2.0);
         let mut window = Window::new(observed(start, 1.0));
         let duration = SLOT * f64::from(slots);
         for _ in 0..slots {
-            window.add(&drive, kinematics::inverse(&drive, twist), SLOT);
+            window.add(twist, SLOT);
         }
         let real = Twist::new(twist.linear * (1.0 + forward), twist.angular * (1.0 + turn));
         let end = start.then(kinematics::integrate(real, duration));
@@ -234,12 +232,12 @@ mod tests {
         let drive = Drive::default();
         let mut window = Window::new(observed(Pose::default(), 0.0));
         for v in [0.03, 0.05, 0.07, 0.09] {
-            window.add(&drive, kinematics::inverse(&drive, Twist::new(v, 0.0)), SLOT);
+            window.add(Twist::new(v, 0.0), SLOT);
         }
         let end = observed(Pose::default(), 0.12);
         assert_eq!(window.verdict(&drive, NOISE, &end), Verdict::Rejected);
         let mut rest = Window::new(observed(Pose::default(), 0.0));
-        rest.add(&drive, WheelSpeeds::ZERO, 0.12);
+        rest.add(Twist::ZERO, 0.12);
         assert_eq!(rest.verdict(&drive, NOISE, &end), Verdict::Rest);
     }
 

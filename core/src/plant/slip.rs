@@ -1,9 +1,10 @@
 //! What a floor does to the commanded motion.
 
+use crate::prediction::ERROR_WINDOW;
 use serde::{Deserialize, Serialize};
 
-/// The time in s over which a channel's standard deviation is stated (the thesis's error window).
-pub const SLIP_WINDOW: f64 = 0.1;
+/// The time in s over which a channel's standard deviation is stated: what is identified is stated over the same.
+pub const SLIP_WINDOW: f64 = ERROR_WINDOW;
 
 /// Greatest standard deviation of a channel; ten times what any floor of the field facts does.
 pub const MAX_SLIP_SD: f64 = 4.0;

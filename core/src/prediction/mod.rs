@@ -11,7 +11,7 @@ pub use monte_carlo::Agents;
 
 use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::settings::PoseNoise;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Twist};
 use serde::{Deserialize, Serialize};
 
 /// Time in s over which a ratio's variance is stated (error acquisition cycle, thesis table 1).
@@ -86,6 +86,13 @@ pub struct Motion {
     pub turn: f64,
     /// Duration in s.
     pub duration: f64,
+}
+
+impl Motion {
+    /// The motion of holding `twist` for `duration` s.
+    pub fn new(twist: Twist, duration: f64) -> Self {
+        Self { length: twist.linear * duration, turn: twist.angular * duration, duration }
+    }
 }
 
 /// Variances of a predicted pose that the variance rule looks at.

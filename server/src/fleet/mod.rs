@@ -160,11 +160,7 @@ impl Fleet {
         let fleet = self.clone();
         to_the_end(async move {
             fleet.accepts_changes()?;
-            let _writing = robot.writing.lock().await;
-            let snapshot = robot.snapshot();
-            if snapshot.is_removed() {
-                return Err(failure::no_such_robot(robot.id()));
-            }
+            let (_writing, snapshot) = robot.change().await?;
             condition.check(Some(snapshot.etag()))?;
             let id = robot.id().clone();
             fleet.with_store(move |store| store.delete(&id)).await?;
@@ -218,11 +214,7 @@ impl Fleet {
         condition: &Condition,
     ) -> Result<bool, Failure> {
         self.accepts_changes()?;
-        let _writing = robot.writing.lock().await;
-        let snapshot = robot.snapshot();
-        if snapshot.is_removed() {
-            return Err(failure::no_such_robot(robot.id()));
-        }
+        let (_writing, snapshot) = robot.change().await?;
         condition.check(snapshot.task_etag())?;
         self.keep(robot.id(), &Record { task, ..snapshot.record() }).await?;
         robot.tell(command).await?;

@@ -1,7 +1,7 @@
 //! Stopping and going on, one robot or all, and the stop of all when the server ends.
 
 use super::{Fleet, to_the_end};
-use crate::failure::{self, Failure};
+use crate::failure::Failure;
 use crate::robot::{Command, Robot};
 use crate::store::Record;
 use futures_util::future::join_all;
@@ -44,11 +44,7 @@ impl Fleet {
         let fleet = self.clone();
         to_the_end(async move {
             fleet.accepts_changes()?;
-            let _writing = robot.writing.lock().await;
-            let snapshot = robot.snapshot();
-            if snapshot.is_removed() {
-                return Err(failure::no_such_robot(robot.id()));
-            }
+            let (_writing, snapshot) = robot.change().await?;
             fleet.keep(robot.id(), &Record { stopped: false, ..snapshot.record() }).await?;
             robot.tell(Command::Resume).await
         })

@@ -15,7 +15,7 @@ use pilot::{Event, Pilot};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::mpsc::error::TrySendError;
-use tokio::sync::{Mutex, mpsc, oneshot, watch};
+use tokio::sync::{Mutex, MutexGuard, mpsc, oneshot, watch};
 use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_api::step::Reply;
@@ -55,6 +55,18 @@ impl Robot {
     pub(crate) fn snapshot(&self) -> Arc<Snapshot> {
         let snapshot = Arc::clone(&self.snapshot.borrow());
         if self.is_alive() { snapshot } else { Arc::new(snapshot.without_task()) }
+    }
+
+    /// Begins a change of what is kept of the robot: nobody else changes it until the guard is dropped. Returns the
+    /// guard with the robot as it is now; a robot that was removed meanwhile cannot be changed.
+    pub(crate) async fn change(&self) -> Result<(MutexGuard<'_, ()>, Arc<Snapshot>), Failure> {
+        let guard = self.writing.lock().await;
+        let snapshot = self.snapshot();
+        if snapshot.is_removed() {
+            Err(failure::no_such_robot(&self.id))
+        } else {
+            Ok((guard, snapshot))
+        }
     }
 
     /// What happens to it.
