@@ -5,11 +5,14 @@
 mod beta_bernoulli;
 mod noisy;
 mod special;
+mod statistics;
 
 pub use beta_bernoulli::BetaBernoulli;
+pub(crate) use special::student_t_half_width;
+pub use statistics::SampleStatistics;
 
 use serde::{Deserialize, Serialize};
-use special::{ln_gamma, ln_gamma_half_step, student_t_half_width};
+use special::{ln_gamma, ln_gamma_half_step};
 use std::f64::consts::PI;
 
 /// A parameter outside the domain of its distribution.
@@ -143,6 +146,21 @@ impl NormalInverseChiSquared {
             k,
             r: self.r + 1.0,
             s: self.s + self.k * (m / k) * deviation * deviation,
+        }
+    }
+
+    /// The belief after many samples at once: the same as one [`update_weighted`](Self::update_weighted) after another.
+    ///
+    /// With W = sum m: k += W, r += n, s += squares + (k W/(k+W)) (mean - mu)^2, mu = (k mu + W mean)/(k+W)
+    /// (thesis eq. 35-38, corrected).
+    pub fn update_all(self, samples: &SampleStatistics) -> Self {
+        let SampleStatistics { samples, weight, mean, squares } = *samples;
+        let (k, deviation) = (self.k + weight, mean - self.mu);
+        Self {
+            mu: self.mu + weight / k * deviation,
+            k,
+            r: self.r + samples as f64,
+            s: self.s + squares + self.k * (weight / k) * deviation * deviation,
         }
     }
 
@@ -393,6 +411,22 @@ mod tests {
             prop_assert!((posterior.ln_predictive(x) - ln_predictive).abs() < 1e-8);
             let ln_evidence = oracle(prior).ln_m(stat());
             prop_assert!((prior.ln_evidence(posterior) - ln_evidence).abs() < 1e-8);
+        }
+
+        #[test]
+        fn many_samples_at_once_are_one_after_another(prior in belief(), data in data(), m in 0.1..3.0_f64) {
+            let mut all = SampleStatistics::default();
+            data.iter().for_each(|&x| all.add(x, m));
+            let one_by_one = data.iter().fold(prior, |it, &x| it.update_weighted(x, m));
+            let at_once = prior.update_all(&all);
+            for (one, other) in [
+                (one_by_one.mu(), at_once.mu()),
+                (one_by_one.k(), at_once.k()),
+                (one_by_one.r(), at_once.r()),
+                (one_by_one.s(), at_once.s()),
+            ] {
+                prop_assert!((one - other).abs() <= 1e-9 * (1.0 + one.abs()), "{one} {other}");
+            }
         }
 
         #[test]

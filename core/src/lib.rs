@@ -13,6 +13,7 @@ pub mod commands;
 pub mod conjugate;
 pub mod controller;
 pub mod episode;
+pub mod evolution;
 pub mod exchange;
 pub mod geometry;
 pub mod horizon;

@@ -2,7 +2,7 @@
 
 use super::estimate::{Channel, ChannelEstimate, LEVEL};
 use super::window::Sample;
-use crate::conjugate::NormalInverseChiSquared;
+use crate::conjugate::{NormalInverseChiSquared, SampleStatistics};
 use crate::prediction::ChannelModel;
 use serde::{Deserialize, Serialize};
 
@@ -19,10 +19,7 @@ struct SharedNoise {
 /// Weighted mean and spread of the samples alone (Welford), and the correlation of neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Statistics {
-    samples: u64,
-    weight: f64,
-    mean: f64,
-    squares: f64,
+    samples: SampleStatistics,
     last: f64,
     neighbours: f64,
     power: f64,
@@ -30,25 +27,17 @@ struct Statistics {
 
 impl Statistics {
     fn update(&mut self, x: f64, weight: f64, standardised: f64) {
-        self.samples += 1;
-        self.weight += weight;
-        let before = x - self.mean;
-        self.mean += weight / self.weight * before;
-        self.squares += weight * before * (x - self.mean);
+        self.samples.add(x, weight);
         self.neighbours += standardised * self.last;
         self.power += standardised * standardised;
         self.last = standardised;
-    }
-
-    fn variance(&self) -> Option<f64> {
-        (self.samples >= 2).then(|| self.squares / (self.samples - 1) as f64)
     }
 
     /// n (1 - rho)/(1 + rho) for a lag-1 correlation rho in [0, 0.95].
     fn effective(&self) -> f64 {
         let rho = if self.power > 0.0 { self.neighbours / self.power } else { 0.0 };
         let rho = rho.clamp(0.0, 0.95);
-        self.samples as f64 * (1.0 - rho) / (1.0 + rho)
+        self.samples.samples as f64 * (1.0 - rho) / (1.0 + rho)
     }
 }
 
@@ -109,6 +98,11 @@ impl ChannelBelief {
 
     /// Samples taken so far.
     pub fn samples(&self) -> u64 {
+        self.statistics.samples.samples
+    }
+
+    /// The samples alone, each corrected for what is known of the pose noise that it shares with the one before.
+    pub fn sample_statistics(&self) -> SampleStatistics {
         self.statistics.samples
     }
 
@@ -119,8 +113,8 @@ impl ChannelBelief {
 
     /// Mean and variance of the samples alone, from two samples on.
     pub fn statistic(&self) -> Option<ChannelModel> {
-        let variance = self.statistics.variance()?;
-        Some(ChannelModel::known(self.statistics.mean, variance))
+        let samples = self.statistics.samples;
+        Some(ChannelModel::known(samples.mean, samples.variance()?))
     }
 
     /// Back to the prior.
@@ -144,7 +138,7 @@ impl ChannelBelief {
                 Some(posterior) => posterior.predictive_interval(LEVEL),
                 None => normal_interval(model.mean, model.variance.sqrt()),
             }),
-            samples: self.statistics.samples,
+            samples: self.statistics.samples.samples,
             effective_samples: self.statistics.effective(),
             ln_evidence: self.ln_evidence,
         }

@@ -1,7 +1,14 @@
-//! The documented default prior.
+//! The priors that come with the program.
 
 use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::settings::Prior;
+
+/// The names that [`Prior::built_in`] knows.
+pub const BUILT_IN_PRIORS: [&str; 3] = ["default", "flat", "thesis"];
+
+fn known(mu: f64, k: f64, r: f64, s: f64) -> NormalInverseChiSquared {
+    NormalInverseChiSquared::new(mu, k, r, s).expect("constants in their domain")
+}
 
 impl Default for Prior {
     /// A weak prior for a floor and a link of which nothing is known: a ratio of standard deviation 0.15 over
@@ -10,9 +17,40 @@ impl Default for Prior {
     fn default() -> Self {
         let weak = |sd: f64| {
             let (k, r) = (1.0, 4.0);
-            NormalInverseChiSquared::new(0.0, k, r, sd * sd * (r - 2.0))
-                .expect("constants in their domain")
+            known(0.0, k, r, sd * sd * (r - 2.0))
         };
         Self { forward: weak(0.15), lateral: weak(0.05), turn: weak(0.15), drift: weak(0.05) }
+    }
+}
+
+impl Prior {
+    /// As little as a proper belief can say: a hundredth of a sample. Its variance exists from two samples on;
+    /// before, a robot counts as unsure and creeps.
+    pub fn flat() -> Self {
+        let channel = known(0.0, 0.01, 0.01, 1e-4);
+        Self { forward: channel, lateral: channel, turn: channel, drift: channel }
+    }
+
+    /// The prior called `name`, one of [`BUILT_IN_PRIORS`].
+    ///
+    /// ```
+    /// use umwelt_core::controller::settings::Prior;
+    /// use umwelt_core::identification::BUILT_IN_PRIORS;
+    /// assert!(BUILT_IN_PRIORS.iter().all(|name| Prior::built_in(name).is_some()));
+    /// assert_eq!(Prior::built_in("default"), Some(Prior::default()));
+    /// assert_eq!(Prior::built_in("best"), None);
+    /// ```
+    pub fn built_in(name: &str) -> Option<Self> {
+        match name {
+            "default" => Some(Self::default()),
+            "flat" => Some(Self::flat()),
+            "thesis" => Some(Self::thesis()),
+            _ => None,
+        }
+    }
+
+    /// The champion of the thesis's evolution.
+    pub fn thesis() -> Self {
+        Self::default()
     }
 }

@@ -11,6 +11,7 @@ mod packets;
 mod trace;
 
 pub use check::LinkError;
+pub(crate) use draw::mix;
 pub use packets::Link;
 pub use trace::{MAX_TRACE_ROWS, RttTrace, TRACE_HEADER, TraceError, parse_trace};
 

@@ -1,0 +1,468 @@
+//! Evolution of priors: individuals are priors, fitness is how well a controller drives with them in simulated
+//! environments (thesis section 4.3 and 5.2).
+//!
+//! [`Evolution`] is a state machine without a clock, a thread or a file: [`Evolution::jobs`] says what is to be
+//! evaluated now, [`Evolution::evaluate`] evaluates one job, on whatever thread, and [`Evolution::tell`] takes the
+//! evaluations in and goes on. Between two `tell`s its whole state can be stored and taken up again: the result is
+//! the same, bit for bit, whoever evaluates the jobs and in whatever order.
+//!
+//! 1. *Reference*: fixed-normal drives each environment; its mean fitness becomes the unit there.
+//! 2. *Generations*: every individual drives the same seeds (common random numbers), fresh ones each generation.
+//!    Fitness is the weighted mean over the environments and never carried over.
+//! 3. *Selection*: the ten fittest of the last generation drive fresh seeds; the best of them is the champion.
+//! 4. *Report*: on third seeds, beside the best of the first generation, the weak default prior and a flat one.
+//!
+//! ```
+//! use umwelt_core::evolution::{Evolution, EvolutionSettings};
+//! let quick = EvolutionSettings::preset("quick").ok_or("no such preset")?;
+//! let settings = EvolutionSettings { population: 4, generations: 2, report_trials: 2, ..quick };
+//! let mut evolution = Evolution::new(settings)?;
+//! while evolution.report().is_none() {
+//!     let jobs = evolution.jobs();
+//!     let evaluations: Vec<_> = jobs.iter().map(|job| evolution.evaluate(job)).collect();
+//!     evolution.tell(&evaluations)?;
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod cma_es;
+mod empirical_bayes;
+mod environment;
+pub mod event_probability;
+mod generation;
+mod genetic;
+mod genome;
+mod report;
+mod seeds;
+mod settings;
+
+pub use environment::{
+    ENVIRONMENTS, Fitness, FitnessLimits, SMALLEST_DEVIATION, TrainingEnvironment,
+};
+pub use generation::{Generation, GenerationEnvironment, Spread};
+pub use genetic::GeneticSettings;
+pub use report::{Entry, EnvironmentResult, Estimate, LEVEL, Report};
+pub use settings::{
+    EvolutionSettings, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,
+    MAX_POPULATION, MAX_REPORT_TRIALS, MAX_SELECTION_TRIALS, MAX_TRIALS, Optimizer, PRESETS,
+    SettingsError,
+};
+
+use crate::conjugate::SampleStatistics;
+use crate::controller::settings::{Method, PoseNoise, Prior, Settings};
+use crate::episode::Scenario;
+use crate::geometry::Pose;
+use crate::identification::estimate::Channel;
+use crate::plant::PlantModel;
+use cma_es::CmaEs;
+use genome::Genome;
+use report::Driven;
+use seeds::Purpose;
+use serde::{Deserialize, Serialize};
+
+/// Version of the stored state; a state of another version is not taken up.
+pub const STATE_VERSION: u32 = 1;
+
+/// Episodes of fixed-normal in each environment, whose mean fitness becomes the unit.
+pub const REFERENCE_TRIALS: usize = 200;
+
+/// Individuals of the last generation from whom the champion is chosen.
+pub const CANDIDATES: usize = 10;
+
+/// Time in s that an episode may take beyond `FitnessLimits::time`: the calibration takes about 20 s.
+const CALIBRATION_TIME: f64 = 40.0;
+
+/// How far an evolution has got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// Fixed-normal sets the unit of fitness.
+    Reference,
+    /// The generation of this number is evaluated.
+    Generations {
+        /// From 0.
+        generation: usize,
+    },
+    /// The candidates are compared.
+    Selection,
+    /// The champion is measured.
+    Report,
+    /// There is a report.
+    Done,
+}
+
+/// One episode to drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Job {
+    environment: usize,
+    method: Method,
+    prior: Prior,
+    /// Whether poses are seen without noise, so that the samples are those of the floor and the link alone.
+    noiseless: bool,
+    seed: u64,
+}
+
+/// What came of one episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// Whether the robot arrived.
+    pub arrived: bool,
+    /// Time in s from the end of the calibration to the arrival, or to the time limit.
+    pub time: f64,
+    /// Largest deviation in m of the true position.
+    pub deviation: f64,
+    /// The samples of each channel, in the order of [`Channel::ALL`].
+    pub samples: [SampleStatistics; 4],
+}
+
+/// Evaluations do not belong to the jobs that were asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{given} evaluations for {asked} jobs")]
+pub struct TellError {
+    /// How many there were.
+    pub given: usize,
+    /// How many there should be.
+    pub asked: usize,
+}
+
+/// What the optimiser knows between two generations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Search {
+    Genetic {
+        population: Vec<Genome>,
+    },
+    CmaEs {
+        search: CmaEs,
+        population: Vec<Genome>,
+    },
+    /// One individual, which has the trials of a whole population.
+    EmpiricalBayes {
+        fitted: [Genome; 1],
+    },
+}
+
+impl Search {
+    fn individuals(&self) -> &[Genome] {
+        match self {
+            Self::Genetic { population } | Self::CmaEs { population, .. } => population,
+            Self::EmpiricalBayes { fitted } => fitted,
+        }
+    }
+}
+
+/// An evolution: settings, and how far it has got.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evolution {
+    version: u32,
+    settings: EvolutionSettings,
+    stage: Stage,
+    search: Search,
+    /// What fixed-normal's fitness is in each environment; empty before it is known.
+    units: Vec<f64>,
+    first_generation: Option<Genome>,
+    candidates: Vec<Genome>,
+    champion: Option<Genome>,
+    report: Option<Report>,
+    episodes: u64,
+}
+
+impl Evolution {
+    /// An evolution that has not begun.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the settings.
+    pub fn new(settings: EvolutionSettings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let drift = settings.controller.drift;
+        let genes = genome::prior_genes(drift);
+        let mut rng = seeds::rng(settings.seed, Purpose::Populate, 0);
+        let weak = genome::of_prior(&Prior::default(), drift);
+        let search = match settings.optimizer {
+            Optimizer::Genetic => {
+                let population = genetic::populate(&genes, settings.population, &mut rng);
+                Search::Genetic { population }
+            }
+            Optimizer::CmaEs => {
+                let search = CmaEs::new(&genes, &weak);
+                let population = search.ask(&genes, settings.population, &mut rng);
+                Search::CmaEs { search, population }
+            }
+            Optimizer::EmpiricalBayes => Search::EmpiricalBayes { fitted: [weak] },
+        };
+        Ok(Self {
+            version: STATE_VERSION,
+            settings,
+            stage: Stage::Reference,
+            search,
+            units: Vec::new(),
+            first_generation: None,
+            candidates: Vec::new(),
+            champion: None,
+            report: None,
+            episodes: 0,
+        })
+    }
+
+    /// Whether a stored state is of this version.
+    pub fn is_current(&self) -> bool {
+        self.version == STATE_VERSION
+    }
+
+    /// What it was told.
+    pub fn settings(&self) -> &EvolutionSettings {
+        &self.settings
+    }
+
+    /// How far it has got.
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// Episodes driven so far.
+    pub fn episodes(&self) -> u64 {
+        self.episodes
+    }
+
+    /// Episodes that the whole of it takes.
+    pub fn total_episodes(&self) -> u64 {
+        let settings = &self.settings;
+        let candidates = match (self.stage, settings.optimizer) {
+            (_, Optimizer::EmpiricalBayes) => 0,
+            (Stage::Selection | Stage::Report | Stage::Done, _) => self.candidates.len(),
+            (_, Optimizer::Genetic) => CANDIDATES.min(settings.population),
+            (_, Optimizer::CmaEs) => CANDIDATES.min(settings.population) + 1,
+        };
+        let beyond = REFERENCE_TRIALS
+            + candidates * settings.selection_trials
+            + self.reported().len() * settings.report_trials;
+        settings.training_episodes() + (beyond * settings.environments.len()) as u64
+    }
+
+    /// What came of it, once it is done.
+    pub fn report(&self) -> Option<&Report> {
+        self.report.as_ref()
+    }
+
+    /// What is to be evaluated now: subject by subject, environment by environment, trial by trial. Empty once done.
+    pub fn jobs(&self) -> Vec<Job> {
+        let settings = &self.settings;
+        let priors = |genomes: &[Genome]| genomes.iter().map(|it| genome::to_prior(it)).collect();
+        let (purpose, generation, subjects, trials): (_, _, Vec<Prior>, _) = match self.stage {
+            Stage::Reference => {
+                (Purpose::Reference, 0, vec![settings.controller.prior], REFERENCE_TRIALS)
+            }
+            Stage::Generations { generation } => {
+                let individuals = self.search.individuals();
+                let trials = settings.population / individuals.len() * settings.trials;
+                (Purpose::Train, generation, priors(individuals), trials)
+            }
+            Stage::Selection => {
+                (Purpose::Select, 0, priors(&self.candidates), settings.selection_trials)
+            }
+            Stage::Report => {
+                let subjects = self.reported().into_iter().map(|(_, prior)| prior).collect();
+                (Purpose::Report, 0, subjects, settings.report_trials)
+            }
+            Stage::Done => return Vec::new(),
+        };
+        let method = match self.stage {
+            Stage::Reference => Method::FixedNormal,
+            _ => Method::Bayesian,
+        };
+        let fits = matches!(self.search, Search::EmpiricalBayes { .. });
+        let noiseless = fits && matches!(self.stage, Stage::Generations { .. });
+        let mut jobs = Vec::with_capacity(subjects.len() * settings.environments.len() * trials);
+        for prior in subjects {
+            for environment in 0..settings.environments.len() {
+                jobs.extend((0..trials).map(|trial| {
+                    let seed =
+                        seeds::seed(settings.seed, purpose, [generation, environment, trial]);
+                    Job { environment, method, prior, noiseless, seed }
+                }));
+            }
+        }
+        jobs
+    }
+
+    /// Drives one episode. The same job gives the same evaluation, bit for bit, on any thread.
+    pub fn evaluate(&self, job: &Job) -> Evaluation {
+        let EvolutionSettings { controller, task, limits, environments, .. } = &self.settings;
+        let environment = &environments[job.environment];
+        let noise = if job.noiseless { PoseNoise::NONE } else { controller.noise };
+        let (method, prior) = (job.method, job.prior);
+        let scenario = Scenario {
+            settings: Settings { method, prior, noise, ..*controller },
+            plant: PlantModel { drive: controller.drive, slip: environment.slip, noise },
+            link: environment.link.clone(),
+            task: task.clone(),
+            start: Pose::default(),
+            time_limit: limits.time + CALIBRATION_TIME,
+        };
+        let Ok((outcome, controller)) = scenario.run_with(job.seed, |_| {}) else {
+            // Checked when the evolution was made; a robot that cannot be simulated does not arrive.
+            return Evaluation { time: limits.time, ..Evaluation::default() };
+        };
+        Evaluation {
+            arrived: outcome.arrived,
+            time: outcome.time,
+            deviation: outcome.max_deviation,
+            samples: Channel::ALL
+                .map(|channel| controller.belief().channel(channel).sample_statistics()),
+        }
+    }
+
+    /// Takes in the evaluations of [`Evolution::jobs`], in their order, and goes on. Returns the generation that
+    /// ended with it, if one did.
+    ///
+    /// # Errors
+    /// Where there are more or fewer than jobs; nothing has happened then.
+    pub fn tell(&mut self, evaluations: &[Evaluation]) -> Result<Option<Generation>, TellError> {
+        let asked = self.jobs().len();
+        if evaluations.len() != asked {
+            return Err(TellError { given: evaluations.len(), asked });
+        }
+        self.episodes += evaluations.len() as u64;
+        match self.stage {
+            Stage::Reference => {
+                self.units = self.measure_units(evaluations);
+                self.stage = Stage::Generations { generation: 0 };
+            }
+            Stage::Generations { generation } => {
+                return Ok(Some(self.end_generation(generation, evaluations)));
+            }
+            Stage::Selection => {
+                let fitness = self.fitness(self.candidates.len(), evaluations);
+                self.champion = Some(self.candidates[genetic::ranking(&fitness)[0]].clone());
+                self.stage = Stage::Report;
+            }
+            Stage::Report => {
+                self.report = Some(self.make_report(evaluations));
+                self.stage = Stage::Done;
+            }
+            Stage::Done => {}
+        }
+        Ok(None)
+    }
+
+    /// Mean fitness of fixed-normal in each environment, or what just keeps the limits where it has none.
+    fn measure_units(&self, evaluations: &[Evaluation]) -> Vec<f64> {
+        let EvolutionSettings { environments, limits, .. } = &self.settings;
+        let chunks = evaluations.chunks_exact(REFERENCE_TRIALS);
+        let units = environments.iter().zip(chunks).map(|(environment, trials)| {
+            let fitness = trials.iter().map(|trial| environment.fitness.of(limits, trial));
+            let mean = fitness.sum::<f64>() / trials.len() as f64;
+            if mean > 0.0 { mean } else { environment.fitness.at_limit(limits) }
+        });
+        units.collect()
+    }
+
+    /// Fitness of one episode in an environment; 1 is that of fixed-normal.
+    fn normalised(&self, environment: usize, evaluation: &Evaluation) -> f64 {
+        let fitness = self.settings.environments[environment].fitness;
+        fitness.of(&self.settings.limits, evaluation) / self.units[environment]
+    }
+
+    /// Fitness of `subjects`: the weighted mean over environments of the mean over trials.
+    fn fitness(&self, subjects: usize, evaluations: &[Evaluation]) -> Vec<f64> {
+        let environments = &self.settings.environments;
+        let trials = evaluations.len() / (subjects * environments.len());
+        let total: f64 = environments.iter().map(|environment| environment.weight).sum();
+        let of_subject = |evaluations: &[Evaluation]| {
+            let chunks = evaluations.chunks_exact(trials).enumerate();
+            let means = chunks.map(|(environment, trials)| {
+                let sum: f64 = trials.iter().map(|it| self.normalised(environment, it)).sum();
+                environments[environment].weight * sum / trials.len() as f64
+            });
+            means.sum::<f64>() / total
+        };
+        evaluations.chunks_exact(trials * environments.len()).map(of_subject).collect()
+    }
+
+    fn end_generation(&mut self, generation: usize, evaluations: &[Evaluation]) -> Generation {
+        let drift = self.settings.controller.drift;
+        let genes = genome::prior_genes(drift);
+        let individuals = self.search.individuals();
+        let fitness = self.fitness(individuals.len(), evaluations);
+        let environments = &self.settings.environments;
+        let summary =
+            generation::summary(generation, environments, individuals, &fitness, evaluations);
+        let order = genetic::ranking(&fitness);
+        if generation == 0 {
+            self.first_generation = Some(individuals[order[0]].clone());
+        }
+        let is_last = generation + 1 == self.settings.generations;
+        let mut rng = seeds::rng(self.settings.seed, Purpose::Breed, generation);
+        let mut candidates: Vec<Genome> = Vec::new();
+        for index in order {
+            let individual = &individuals[index];
+            if candidates.len() < CANDIDATES && !candidates.contains(individual) {
+                candidates.push(individual.clone());
+            }
+        }
+        match &mut self.search {
+            Search::Genetic { population } if !is_last => {
+                let settings = &self.settings.genetic;
+                *population = genetic::breed(&genes, settings, population, &fitness, &mut rng);
+            }
+            Search::Genetic { .. } => {}
+            Search::CmaEs { search, population } => {
+                search.tell(&genes, population, &fitness);
+                candidates.push(search.mean(&genes));
+                if !is_last {
+                    *population = search.ask(&genes, population.len(), &mut rng);
+                }
+            }
+            Search::EmpiricalBayes { fitted: [fitted] } => {
+                let groups: Vec<_> = evaluations.iter().map(|it| it.samples).collect();
+                let seed = seeds::seed(self.settings.seed, Purpose::Breed, [generation, 0, 0]);
+                *fitted = empirical_bayes::fit(&groups, fitted, seed);
+                candidates = vec![fitted.clone()];
+            }
+        }
+        self.stage = Stage::Generations { generation: generation + 1 };
+        if is_last {
+            self.candidates = candidates;
+            self.stage = match &self.candidates[..] {
+                [only] => {
+                    self.champion = Some(only.clone());
+                    Stage::Report
+                }
+                _ => Stage::Selection,
+            };
+        }
+        summary
+    }
+
+    /// Who is reported, the champion first.
+    fn reported(&self) -> [(&'static str, Prior); 4] {
+        let weak = Prior::default();
+        let known = |genome: &Option<Genome>| genome.as_deref().map_or(weak, genome::to_prior);
+        [
+            ("champion", known(&self.champion)),
+            ("first-generation", known(&self.first_generation)),
+            ("default", weak),
+            ("flat", Prior::flat()),
+        ]
+    }
+
+    fn make_report(&self, evaluations: &[Evaluation]) -> Report {
+        let environments = &self.settings.environments;
+        let trials = self.settings.report_trials;
+        let subjects = evaluations.chunks_exact(trials * environments.len());
+        let driven = self.reported().into_iter().zip(subjects).map(|((name, prior), subject)| {
+            let of_environment = |(environment, trials): (usize, &[Evaluation])| {
+                let trial = |it: &Evaluation| {
+                    (self.normalised(environment, it), it.time, it.deviation, it.arrived)
+                };
+                trials.iter().map(trial).collect()
+            };
+            let environments = subject.chunks_exact(trials).enumerate().map(of_environment);
+            Driven { name, prior, environments: environments.collect() }
+        });
+        report::report(environments, driven.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests;

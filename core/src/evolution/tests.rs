@@ -1,0 +1,191 @@
+//! The whole of an evolution: what it says, and that nobody can tell how it was run.
+
+use super::*;
+use crate::controller::task::Task;
+use crate::geometry::Point;
+use std::collections::BTreeSet;
+
+/// Small enough to run in a test, with a task of a single leg.
+fn small(optimizer: Optimizer) -> EvolutionSettings {
+    let quick = EvolutionSettings::preset("quick").unwrap();
+    EvolutionSettings {
+        optimizer,
+        population: 6,
+        generations: 3,
+        trials: 1,
+        selection_trials: 2,
+        report_trials: 4,
+        task: Task { waypoints: vec![Point::new(0.2, 0.0)], calibration: None, ..Task::thesis() },
+        ..quick
+    }
+}
+
+/// Goes on to the end, shows each generation, and stores and loads the state after each step if asked to.
+fn run(mut evolution: Evolution, is_stored: bool) -> (Evolution, Vec<Generation>) {
+    let mut generations = Vec::new();
+    while evolution.report().is_none() {
+        let mut evaluations: Vec<_> = evolution.jobs().iter().map(|it| (*it, None)).collect();
+        // In an order that no single thread would take.
+        for (job, evaluation) in evaluations.iter_mut().rev() {
+            *evaluation = Some(evolution.evaluate(job));
+        }
+        let evaluations: Vec<_> = evaluations.into_iter().filter_map(|(_, it)| it).collect();
+        generations.extend(evolution.tell(&evaluations).unwrap());
+        if is_stored {
+            let text = serde_json::to_string(&evolution).unwrap();
+            evolution = serde_json::from_str(&text).unwrap();
+        }
+    }
+    (evolution, generations)
+}
+
+#[test]
+fn resumed_after_every_step_is_the_same_as_uninterrupted_bit_for_bit() {
+    for optimizer in [Optimizer::Genetic, Optimizer::CmaEs, Optimizer::EmpiricalBayes] {
+        let evolution = Evolution::new(small(optimizer)).unwrap();
+        let (uninterrupted, generations) = run(evolution.clone(), false);
+        assert_eq!(run(evolution, true), (uninterrupted.clone(), generations), "{optimizer:?}");
+        assert_eq!(uninterrupted.episodes(), uninterrupted.total_episodes(), "{optimizer:?}");
+        assert!(uninterrupted.jobs().is_empty());
+    }
+}
+
+/// Four threads that take jobs as they come, against one.
+#[test]
+fn the_champion_is_the_same_whatever_the_number_of_threads() {
+    let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    let alone = run(evolution.clone(), false).0;
+    while evolution.report().is_none() {
+        let jobs = evolution.jobs();
+        let shares: Vec<Vec<(usize, Job)>> =
+            (0..4).map(|i| jobs.iter().copied().enumerate().skip(i).step_by(4).collect()).collect();
+        let mut evaluations = vec![Evaluation::default(); jobs.len()];
+        #[expect(clippy::disallowed_methods, reason = "a test of threads needs some")]
+        std::thread::scope(|scope| {
+            let evaluate = |share: Vec<(usize, Job)>| {
+                let evolution = &evolution;
+                scope.spawn(move || {
+                    let each = share.into_iter().map(|(at, job)| (at, evolution.evaluate(&job)));
+                    each.collect::<Vec<_>>()
+                })
+            };
+            let threads: Vec<_> = shares.into_iter().map(evaluate).collect();
+            for (at, evaluation) in threads.into_iter().flat_map(|it| it.join().unwrap()) {
+                evaluations[at] = evaluation;
+            }
+        });
+        evolution.tell(&evaluations).unwrap();
+    }
+    assert_eq!(evolution, alone);
+}
+
+#[test]
+fn another_seed_is_another_evolution() {
+    let settings = small(Optimizer::Genetic);
+    let one = run(Evolution::new(settings.clone()).unwrap(), false).0;
+    let other = run(Evolution::new(EvolutionSettings { seed: 2, ..settings }).unwrap(), false).0;
+    assert_ne!(one.report(), other.report());
+}
+
+/// The bug to fear: a champion reported on the seeds that made it champion, or individuals compared on different ones.
+#[test]
+fn seeds_are_common_within_a_generation_and_fresh_for_everything_else() {
+    let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    let mut seen = BTreeSet::new();
+    let mut stages = Vec::new();
+    while evolution.report().is_none() {
+        let jobs = evolution.jobs();
+        let mut seeds: Vec<BTreeSet<u64>> = Vec::new();
+        for subject in jobs.chunk_by(|one, other| one.prior == other.prior) {
+            seeds.push(subject.iter().map(|job| job.seed).collect());
+        }
+        assert!(seeds.windows(2).all(|pair| pair[0] == pair[1]), "{:?}", evolution.stage());
+        assert!(seeds[0].iter().all(|seed| seen.insert(*seed)), "{:?}", evolution.stage());
+        stages.push(evolution.stage());
+        let evaluations: Vec<_> = jobs.iter().map(|job| evolution.evaluate(job)).collect();
+        evolution.tell(&evaluations).unwrap();
+    }
+    let generations = (0..3).map(|generation| Stage::Generations { generation });
+    let expected: Vec<_> = std::iter::once(Stage::Reference)
+        .chain(generations)
+        .chain([Stage::Selection, Stage::Report])
+        .collect();
+    assert_eq!(stages, expected);
+}
+
+/// What fitness says is said by hand: weights, units, the mean over trials.
+#[test]
+fn fitness_is_normalised_to_fixed_normal_and_weighted() {
+    let mut settings = small(Optimizer::Genetic);
+    settings.trials = 2;
+    settings.environments[1].weight = 3.0;
+    let mut evolution = Evolution::new(settings).unwrap();
+    let evaluation = |time: f64, deviation: f64| Evaluation {
+        arrived: true,
+        time,
+        deviation,
+        ..Default::default()
+    };
+    // Fixed-normal takes 10 s on the normal link and strays by 20 mm on the bad one.
+    let reference =
+        [vec![evaluation(10.0, 0.001); 200], vec![evaluation(20.0, 0.02); 200]].concat();
+    evolution.tell(&reference).unwrap();
+    let near = |found: &[f64], expected: [f64; 2]| {
+        assert_eq!(found.len(), 2);
+        let pairs = found.iter().zip(expected);
+        pairs.for_each(|(one, other)| assert!((one - other).abs() < 1e-9, "{found:?}"));
+    };
+    near(&evolution.units, [0.1, 50.0]);
+    // One individual: 5 s and never; 10 mm and too late.
+    let trials = [
+        evaluation(5.0, 0.01),
+        evaluation(5.0, 0.2),
+        evaluation(20.0, 0.01),
+        evaluation(61.0, 0.01),
+    ];
+    // Normal: (2 + 0)/2 = 1; bad: (2 + 0)/2 = 1, three times.
+    let other = [
+        evaluation(10.0, 0.01),
+        evaluation(10.0, 0.01),
+        evaluation(20.0, 0.1),
+        evaluation(20.0, 0.1),
+    ];
+    let fitness = evolution.fitness(2, &[trials, other].concat());
+    near(&fitness, [1.0, (1.0 + 3.0 * 0.2) / 4.0]);
+}
+
+#[test]
+fn where_fixed_normal_has_no_fitness_the_limit_is_the_unit() {
+    let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    evolution.tell(&vec![Evaluation::default(); 400]).unwrap();
+    assert_eq!(evolution.units, [1.0 / 60.0, 10.0]);
+}
+
+#[test]
+fn evaluations_of_other_jobs_are_refused_and_change_nothing() {
+    let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    let before = evolution.clone();
+    let refused = evolution.tell(&[Evaluation::default(); 3]);
+    assert_eq!(refused, Err(TellError { given: 3, asked: 400 }));
+    assert_eq!(evolution, before);
+}
+
+/// Selection is by fresh trials alone: the candidate that drives best in them is the champion, whatever it was before.
+#[test]
+fn the_champion_is_the_best_of_the_candidates_on_fresh_seeds() {
+    let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    let evaluation =
+        |time: f64| Evaluation { arrived: true, time, deviation: 0.01, ..Default::default() };
+    evolution.tell(&vec![evaluation(10.0); 400]).unwrap();
+    for _ in 0..3 {
+        let jobs = evolution.jobs();
+        evolution.tell(&vec![evaluation(10.0); jobs.len()]).unwrap();
+    }
+    assert_eq!(evolution.stage(), Stage::Selection);
+    let (jobs, favourite) = (evolution.jobs(), evolution.candidates[1].clone());
+    let prior = genome::to_prior(&favourite);
+    let evaluations: Vec<_> =
+        jobs.iter().map(|job| evaluation(if job.prior == prior { 9.0 } else { 10.0 })).collect();
+    evolution.tell(&evaluations).unwrap();
+    assert_eq!(evolution.champion, Some(favourite));
+}
