@@ -9,15 +9,11 @@ use serde::{Deserialize, Serialize};
 /// prediction follows, since learned means are clamped.
 pub const MAX_MU: f64 = 0.5;
 
-/// Most samples that a prior's mean may be worth (`MAX_k`): a calibration gives about as many.
-pub const MAX_K: f64 = 20.0;
-
-/// Most degrees of freedom of a prior's variance (`MAX_r`), for the same reason.
-pub const MAX_R: f64 = 20.0;
-
-/// Largest sum of squares (`MAX_s`): with a middling r a standard deviation of 0.3, so that the first population
-/// holds the careless as well as those whom the variance rule slows down.
-pub const MAX_S: f64 = 1.0;
+/// Largest k, r and s (`MAX_c` of thesis eq. 49-51, which it does not give). As many samples as the calibration gives,
+/// some 80, and a few more: a prior may outweigh it, or evolution would have nothing to choose. With s as large as r
+/// an error may be as large as the motion, so that the first population holds the careless as well as those whom the
+/// variance rule slows down (it binds from a standard deviation of about 0.5).
+pub const MAX_C: f64 = 100.0;
 
 /// Smallest k, r and s: below them a prior says nothing that a single sample does not.
 pub const MIN_K: f64 = 0.01;
@@ -86,9 +82,9 @@ pub type Genome = Vec<f64>;
 /// Genes of one channel's (mu, k, r, s).
 pub const CHANNEL_GENES: [Gene; 4] = [
     Gene::linear(-MAX_MU, MAX_MU),
-    Gene::logarithmic(MIN_K, MAX_K),
-    Gene::logarithmic(MIN_R, MAX_R),
-    Gene::logarithmic(MIN_S, MAX_S),
+    Gene::logarithmic(MIN_K, MAX_C),
+    Gene::logarithmic(MIN_R, MAX_C),
+    Gene::logarithmic(MIN_S, MAX_C),
 ];
 
 /// The genes of a prior: forward, lateral and turn (the thesis), and drift where the method uses it.
