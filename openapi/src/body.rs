@@ -20,14 +20,22 @@ pub(crate) fn read<T: DeserializeOwned + Checked>(bytes: &[u8]) -> Result<T, Pro
 pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Checked>(
     bytes: &[u8],
 ) -> Result<T, Problems> {
+    let (body, check) = read_open::<T>(bytes)?;
+    check.finish()?;
+    Ok(body)
+}
+
+/// Reads as [`read_shared`] does and leaves the check open: more may be asked of the body before it is finished.
+pub(crate) fn read_open<T: DeserializeOwned + Serialize + Checked>(
+    bytes: &[u8],
+) -> Result<(T, Check), Problems> {
     let body: T = parse(bytes)?;
     let given = parse::<Value>(bytes)?;
     let known = serde_json::to_value(&body).map_err(|error| malformed("", &given, &error))?;
     let mut check = Check::default();
     refuse_unknown(&mut check, &given, &known);
     body.check(&mut check);
-    check.finish()?;
-    Ok(body)
+    Ok((body, check))
 }
 
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problems> {

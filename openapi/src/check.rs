@@ -1,8 +1,10 @@
 //! Collects every problem of a body with its field path; the same walk tells the contract its limits.
 
+use crate::id;
+use crate::named::Known;
 use crate::problem::{Detail, Problems, reason};
 use serde_json::Value;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 use std::ops::RangeInclusive;
 
 /// The numbers that a field may hold, both ends included.
@@ -123,6 +125,57 @@ impl Check {
         if !range.contains(&length) {
             let remedy = format!("use {} to {} of them, not {length}", range.start(), range.end());
             self.report(reason::WRONG_LENGTH, name, length, remedy);
+        }
+    }
+
+    /// The text in field `name` must have a length in bytes within `range`.
+    pub(crate) fn text(&mut self, name: &str, text: &str, range: RangeInclusive<usize>) {
+        self.limit(name, || Limit::Length(range.clone()));
+        if !range.contains(&text.len()) {
+            let remedy =
+                format!("use {} to {} bytes, not {}", range.start(), range.end(), text.len());
+            self.report(reason::WRONG_LENGTH, name, text, remedy);
+        }
+    }
+
+    /// Field `name` must be an id.
+    pub(crate) fn id(&mut self, name: &str, text: &str) {
+        if !id::is_id(text) {
+            self.report(reason::INVALID_ID, name, text, id::REMEDY);
+        }
+    }
+
+    /// What the text in field `name` stands for; a text that is no name, or one that nobody knows, is a problem.
+    pub(crate) fn known<T>(
+        &mut self,
+        name: &str,
+        text: &str,
+        reason: &str,
+        known: impl Fn(&str) -> Known<T>,
+    ) -> Option<T> {
+        if !id::is_id(text) {
+            // What is no id at all is reported by the check of the field.
+            return None;
+        }
+        match known(text) {
+            Ok(found) => Some(found),
+            Err(names) => {
+                self.report(reason, name, text, format!("known: {}", names.join(", ")));
+                None
+            }
+        }
+    }
+
+    /// What a conversion of field `name` gave; its error counts unless the checks have said what is wrong.
+    pub(crate) fn ok<T, E: Display>(&mut self, name: &str, converted: Result<T, E>) -> Option<T> {
+        match converted {
+            Ok(core) => Some(core),
+            Err(error) => {
+                if self.problems.is_empty() {
+                    self.report(reason::OUT_OF_RANGE, name, Value::Null, error.to_string());
+                }
+                None
+            }
         }
     }
 

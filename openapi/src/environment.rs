@@ -1,7 +1,11 @@
 //! The identified environment: per channel and for the link.
+//!
+//! Simulated environments, which have names, stand in [`crate::training`].
 
+use crate::id::PriorId;
 use crate::number::known;
-use crate::robot::Method;
+use crate::prior::Source;
+use crate::robot::{DEFAULT_PRIOR, Method};
 use serde::{Deserialize, Serialize};
 use umwelt_core::identification::estimate::{self, LEVEL};
 use utoipa::ToSchema;
@@ -25,6 +29,62 @@ pub struct Environment {
     pub windows_rejected: u64,
     /// Poses set aside because the robot cannot have moved there.
     pub poses_set_aside: u64,
+    /// What was believed before any sample, and why that.
+    pub prior: Prior,
+}
+
+/// The prior behind what is identified.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = environment::Prior)]
+pub struct Prior {
+    /// Its name; null where the description of the robot has its own numbers.
+    pub name: Option<PriorId>,
+    /// Where it comes from.
+    pub source: Source,
+    /// Why this one, in one sentence.
+    pub why: String,
+}
+
+impl Prior {
+    /// The prior of this name and source, as a robot identified by `method` uses it.
+    ///
+    /// ```
+    /// use umwelt_api::environment::Prior;
+    /// use umwelt_api::{prior::Source, robot::Method};
+    /// let prior = Prior::of(Some("wet-hall".parse()?), Source::Put, Method::Bayesian);
+    /// assert_eq!(prior.why, "the description of the robot names wet-hall, which somebody put");
+    /// # Ok::<(), umwelt_api::InvalidId>(())
+    /// ```
+    pub fn of(name: Option<PriorId>, source: Source, method: Method) -> Self {
+        let used = match &name {
+            Some(name) if name.as_str() == DEFAULT_PRIOR => format!(
+                "the description of the robot names no other than {name}, which is weak: samples soon outweigh it"
+            ),
+            Some(name) => format!("the description of the robot names {name}, {}", origin(&source)),
+            None => "the description of the robot has numbers of its own".to_owned(),
+        };
+        let unused = match method {
+            Method::Bayesian => "",
+            Method::Statistic => "; method statistic does not use it: it has samples only",
+            Method::FixedNormal => "; method fixed-normal does not use it: it learns nothing",
+            Method::FixedBad => "; method fixed-bad does not use it: it learns nothing",
+        };
+        Self { name, source, why: used + unused }
+    }
+}
+
+/// Where a named prior comes from, in words.
+fn origin(source: &Source) -> String {
+    match source {
+        Source::BuiltIn => "which comes with the server".to_owned(),
+        Source::Put => "which somebody put".to_owned(),
+        Source::Evolution { evolution, seed, optimizer, fitness } => {
+            let optimizer = optimizer.name();
+            let fitness = fitness.map(|it| format!(", fitness {it:.3}")).unwrap_or_default();
+            format!("which {evolution} found ({optimizer}, seed {seed}{fitness})")
+        }
+        Source::Inline => "which stands there in numbers".to_owned(),
+    }
 }
 
 /// Control errors per channel.
@@ -95,8 +155,9 @@ pub struct Link {
     pub note: Option<String>,
 }
 
-impl From<&estimate::Environment> for Environment {
-    fn from(core: &estimate::Environment) -> Self {
+impl Environment {
+    /// What was identified, beginning with `prior`.
+    pub fn new(core: &estimate::Environment, prior: Prior) -> Self {
         let [forward, lateral, turn, drift] = core.channels.map(Channel::from);
         Self {
             method: core.method.into(),
@@ -105,6 +166,7 @@ impl From<&estimate::Environment> for Environment {
             link: core.link.into(),
             windows_rejected: core.windows_rejected,
             poses_set_aside: core.poses_set_aside,
+            prior,
         }
     }
 }
@@ -157,6 +219,7 @@ fn note(link: &estimate::LinkEstimate) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evolution::Optimizer;
     use umwelt_core::controller::settings;
 
     fn environment(number: f64, samples: u64, late: u64) -> Environment {
@@ -180,13 +243,14 @@ mod tests {
             late_interval: (number, number),
             chance_of_luck: 0.95f64.powf(samples as f64),
         };
-        Environment::from(&estimate::Environment {
+        let core = estimate::Environment {
             method: settings::Method::Bayesian,
             channels: estimate::Channel::ALL.map(channel),
             link,
             windows_rejected: 1,
             poses_set_aside: 2,
-        })
+        };
+        Environment::new(&core, Prior::of(None, Source::Inline, Method::Bayesian))
     }
 
     #[test]
@@ -213,5 +277,25 @@ mod tests {
         assert!(environment(0.1, 12, 0).link.note.is_some_and(|note| note.contains("0.54")));
         assert_eq!(environment(0.1, 59, 0).link.note, None);
         assert_eq!(environment(0.1, 12, 1).link.note, None);
+    }
+
+    #[test]
+    fn why_this_prior_is_said_in_a_sentence() {
+        let why = |name: &str, source, method| Prior::of(name.parse().ok(), source, method).why;
+        let evolved = |fitness| Source::Evolution {
+            evolution: "evolution-12".parse().unwrap(),
+            seed: 7,
+            optimizer: Optimizer::CmaEs,
+            fitness,
+        };
+        let words = why("hall", evolved(Some(1.25)), Method::Bayesian);
+        assert!(
+            words.ends_with("names hall, which evolution-12 found (cma-es, seed 7, fitness 1.250)")
+        );
+        assert!(why("hall", evolved(None), Method::Bayesian).ends_with("(cma-es, seed 7)"));
+        assert!(why("default", Source::BuiltIn, Method::Bayesian).contains("weak"));
+        assert!(why("", Source::Inline, Method::Bayesian).contains("of its own"));
+        assert!(why("hall", Source::Put, Method::Statistic).contains("does not use it"));
+        assert!(why("hall", Source::Put, Method::FixedBad).contains("does not use it"));
     }
 }

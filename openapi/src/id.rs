@@ -10,6 +10,36 @@ use utoipa::ToSchema;
 /// Longest id: that of a DNS label, so that an id can be a host name.
 pub const MAX_ID_LENGTH: usize = 63;
 
+/// A text that is no id.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("an id is 1 to 63 of a-z, 0-9 and -, not {text:?}")]
+pub struct InvalidId {
+    /// What it would have been the id of, as a path names it: `robot`, `prior`, ...
+    pub of: &'static str,
+    /// The text.
+    pub text: String,
+}
+
+/// What to use instead of a text that is no id.
+pub(crate) const REMEDY: &str = "use 1 to 63 of a-z, 0-9 and -";
+
+/// Whether `text` is an id.
+pub(crate) fn is_id(text: &str) -> bool {
+    let allowed = |byte: u8| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'-');
+    (1..=MAX_ID_LENGTH).contains(&text.len()) && text.bytes().all(allowed)
+}
+
+fn parse(text: &str, of: &'static str) -> Result<Arc<str>, InvalidId> {
+    if is_id(text) { Ok(text.into()) } else { Err(InvalidId { of, text: text.to_owned() }) }
+}
+
+impl From<InvalidId> for Problems {
+    /// The id as it stands in a path: the field is the name of the parameter.
+    fn from(invalid: InvalidId) -> Self {
+        Detail::new(reason::INVALID_ID, invalid.of, invalid.text, REMEDY).into()
+    }
+}
+
 /// The id of a robot: 1 to 63 of `a-z`, `0-9` and `-`.
 ///
 /// ```
@@ -24,73 +54,91 @@ pub const MAX_ID_LENGTH: usize = 63;
 #[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
 pub struct RobotId(Arc<str>);
 
-/// A text that is no id.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("an id is 1 to 63 of a-z, 0-9 and -, not {0:?}")]
-pub struct InvalidId(pub String);
+/// The name of a prior: 1 to 63 of `a-z`, `0-9` and `-`.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+pub struct PriorId(Arc<str>);
 
-impl RobotId {
-    /// The id as text.
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-}
+/// The name of a simulated environment: 1 to 63 of `a-z`, `0-9` and `-`.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+pub struct EnvironmentId(Arc<str>);
 
-impl FromStr for RobotId {
-    type Err = InvalidId;
+/// The id of an evolution, given by the server: `evolution-12`. Ids never come back.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+pub struct EvolutionId(Arc<str>);
 
-    fn from_str(text: &str) -> Result<Self, InvalidId> {
-        let allowed = |byte: u8| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'-');
-        if (1..=MAX_ID_LENGTH).contains(&text.len()) && text.bytes().all(allowed) {
-            Ok(Self(text.into()))
-        } else {
-            Err(InvalidId(text.to_owned()))
+/// What every id can do: be read, be shown, be looked up by its text.
+macro_rules! id {
+    ($Id:ident, $of:literal) => {
+        impl $Id {
+            /// The id as text.
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
         }
-    }
+
+        impl FromStr for $Id {
+            type Err = InvalidId;
+
+            fn from_str(text: &str) -> Result<Self, InvalidId> {
+                parse(text, $of).map(Self)
+            }
+        }
+
+        impl TryFrom<String> for $Id {
+            type Error = InvalidId;
+
+            fn try_from(text: String) -> Result<Self, InvalidId> {
+                text.parse()
+            }
+        }
+
+        impl From<$Id> for String {
+            fn from(id: $Id) -> Self {
+                id.as_str().to_owned()
+            }
+        }
+
+        impl AsRef<str> for $Id {
+            fn as_ref(&self) -> &str {
+                self.as_str()
+            }
+        }
+
+        impl std::borrow::Borrow<str> for $Id {
+            fn borrow(&self) -> &str {
+                self.as_str()
+            }
+        }
+
+        impl fmt::Display for $Id {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(self.as_str())
+            }
+        }
+
+        impl fmt::Debug for $Id {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Debug::fmt(self.as_str(), f)
+            }
+        }
+    };
 }
 
-impl TryFrom<String> for RobotId {
-    type Error = InvalidId;
+id!(RobotId, "robot");
+id!(PriorId, "prior");
+id!(EnvironmentId, "environment");
+id!(EvolutionId, "evolution");
 
-    fn try_from(text: String) -> Result<Self, InvalidId> {
-        text.parse()
-    }
-}
-
-impl From<RobotId> for String {
-    fn from(id: RobotId) -> Self {
-        id.as_str().to_owned()
-    }
-}
-
-impl AsRef<str> for RobotId {
-    fn as_ref(&self) -> &str {
-        self.as_str()
-    }
-}
-
-impl std::borrow::Borrow<str> for RobotId {
-    fn borrow(&self) -> &str {
-        self.as_str()
-    }
-}
-
-impl fmt::Display for RobotId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.as_str())
-    }
-}
-
-impl fmt::Debug for RobotId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Debug::fmt(self.as_str(), f)
-    }
-}
-
-impl From<InvalidId> for Problems {
-    /// The id as it stands in a path: field `robot`.
-    fn from(invalid: InvalidId) -> Self {
-        Detail::new(reason::INVALID_ID, "robot", invalid.0, "use 1 to 63 of a-z, 0-9 and -").into()
+impl EvolutionId {
+    /// The id of the evolution of this number: `evolution-12`.
+    pub fn numbered(number: u64) -> Self {
+        Self(format!("evolution-{number}").into())
     }
 }
 
@@ -106,6 +154,23 @@ mod tests {
         for bad in ["", "A", "a b", "a/b", "ä", "a\n", "..", "a_b", &"x".repeat(64)] {
             assert!(bad.parse::<RobotId>().is_err(), "{bad:?}");
             assert!(serde_json::from_value::<RobotId>(bad.into()).is_err(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_id_names_its_parameter() {
+        let field = |problems: Problems| problems.details()[0].field.clone();
+        assert_eq!(field("A".parse::<RobotId>().unwrap_err().into()), "robot");
+        assert_eq!(field("A".parse::<PriorId>().unwrap_err().into()), "prior");
+        assert_eq!(field("A".parse::<EnvironmentId>().unwrap_err().into()), "environment");
+        assert_eq!(field("A".parse::<EvolutionId>().unwrap_err().into()), "evolution");
+    }
+
+    #[test]
+    fn a_number_makes_an_id() {
+        for number in [0, 12, u64::MAX] {
+            let id = EvolutionId::numbered(number);
+            assert_eq!(id.as_str().parse(), Ok(id.clone()));
         }
     }
 }

@@ -17,9 +17,14 @@ mod check;
 mod document;
 pub mod environment;
 pub mod event;
+pub mod evolution;
 pub mod health;
 mod id;
+mod idempotency;
+mod named;
 mod number;
+pub mod page;
+pub mod prior;
 pub mod problem;
 pub mod robot;
 #[cfg(test)]
@@ -27,8 +32,11 @@ mod round_trip;
 pub mod step;
 pub mod stop;
 pub mod task;
+pub mod training;
 
 pub use check::Range;
 pub use document::document;
-pub use id::{InvalidId, RobotId};
+pub use id::{EnvironmentId, EvolutionId, InvalidId, PriorId, RobotId};
+pub use idempotency::{IdempotencyKey, InvalidKey, MAX_KEY};
+pub use named::Known;
 pub use problem::{ErrorBody, Problem, Problems, Status};

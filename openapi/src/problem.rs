@@ -57,7 +57,7 @@ pub mod reason {
     pub const DRAINING: &str = "DRAINING";
     /// The robot's clock ran backwards within an epoch.
     pub const CLOCK_WENT_BACK: &str = "CLOCK_WENT_BACK";
-    /// The robot has more requests waiting than it can answer in time.
+    /// More is waiting than can be done in time: requests of a robot, evolutions of the server.
     pub const QUEUE_FULL: &str = "QUEUE_FULL";
     /// A limit of the server is reached.
     pub const LIMIT_REACHED: &str = "LIMIT_REACHED";
@@ -73,6 +73,26 @@ pub mod reason {
     pub const TASK_DIED: &str = "TASK_DIED";
     /// A robot that could not be told.
     pub const NOT_TOLD: &str = "NOT_TOLD";
+    /// Robots use this prior: `value` is the id of one of them.
+    pub const PRIOR_IN_USE: &str = "PRIOR_IN_USE";
+    /// It comes with the server and can be neither replaced nor removed.
+    pub const BUILT_IN: &str = "BUILT_IN";
+    /// No prior goes by this name.
+    pub const UNKNOWN_PRIOR: &str = "UNKNOWN_PRIOR";
+    /// No simulated environment goes by this name.
+    pub const UNKNOWN_ENVIRONMENT: &str = "UNKNOWN_ENVIRONMENT";
+    /// No preset of a floor or a link goes by this name.
+    pub const UNKNOWN_PRESET: &str = "UNKNOWN_PRESET";
+    /// Something stands twice in a list.
+    pub const REPEATED: &str = "REPEATED";
+    /// This key came with another body before.
+    pub const IDEMPOTENCY_KEY_REUSED: &str = "IDEMPOTENCY_KEY_REUSED";
+    /// It is still waiting or going on; cancel it first.
+    pub const NOT_ENDED: &str = "NOT_ENDED";
+    /// It has ended already.
+    pub const ENDED: &str = "ENDED";
+    /// There is nothing to show yet.
+    pub const NOTHING_YET: &str = "NOTHING_YET";
 }
 
 /// One thing that is wrong.

@@ -1,9 +1,11 @@
 //! Laws: core -> wire -> JSON -> wire -> core loses nothing, and nothing wrong gets through.
 
+mod belief;
+mod evolution;
 mod strategies;
 
 use crate::problem::reason;
-use crate::{robot, step, task};
+use crate::{prior, robot, step, task};
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
@@ -19,7 +21,7 @@ proptest! {
     #[test]
     fn a_robot_survives_the_wire(core in settings()) {
         let json = serde_json::to_vec(&robot::Spec::from(&core)).unwrap();
-        prop_assert_eq!(robot::Spec::read(&json).and_then(|spec| spec.to_core()), Ok(core));
+        prop_assert_eq!(robot::Spec::read(&json).and_then(|spec| spec.to_core(prior::built_in)), Ok(core));
     }
 
     #[test]
@@ -100,7 +102,10 @@ fn pairs(expected: &[(&str, &str)]) -> Vec<(String, String)> {
 
 #[test]
 fn the_defaults_are_cores_and_pass() {
-    assert_eq!(robot::Spec::read(b"{}").and_then(|spec| spec.to_core()), Ok(Settings::default()));
+    assert_eq!(
+        robot::Spec::read(b"{}").and_then(|spec| spec.to_core(prior::built_in)),
+        Ok(Settings::default())
+    );
     let thesis = core_task::Task::thesis();
     assert_eq!(task::Spec::from(&thesis).to_core(), Ok(thesis));
 }

@@ -43,7 +43,7 @@ pub use generation::{Generation, GenerationEnvironment, Spread};
 pub use genetic::GeneticSettings;
 pub use report::{Entry, EnvironmentResult, Estimate, LEVEL, Report};
 pub use settings::{
-    EvolutionSettings, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,
+    EvolutionSettings, MAX_BATCH, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,
     MAX_POPULATION, MAX_REPORT_TRIALS, MAX_SELECTION_TRIALS, MAX_TRIALS, Optimizer, PRESETS,
     SettingsError,
 };
@@ -94,11 +94,9 @@ pub enum Stage {
 /// One episode to drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Job {
+    /// Number of the individual, of the candidate or of who is reported.
+    subject: usize,
     environment: usize,
-    method: Method,
-    prior: Prior,
-    /// Whether poses are seen without noise, so that the samples are those of the floor and the link alone.
-    noiseless: bool,
     seed: u64,
 }
 
@@ -244,53 +242,68 @@ impl Evolution {
         self.report.as_ref()
     }
 
+    /// Subjects of the stage, and trials of each in each environment.
+    fn sizes(&self) -> (usize, usize) {
+        let settings = &self.settings;
+        match self.stage {
+            Stage::Reference => (1, REFERENCE_TRIALS),
+            Stage::Generations { .. } => {
+                let individuals = self.search.individuals().len();
+                (individuals, settings.population / individuals * settings.trials)
+            }
+            Stage::Selection => (self.candidates.len(), settings.selection_trials),
+            Stage::Report => (self.reported().len(), settings.report_trials),
+            Stage::Done => (0, 0),
+        }
+    }
+
     /// What is to be evaluated now: subject by subject, environment by environment, trial by trial. Empty once done.
     pub fn jobs(&self) -> Vec<Job> {
-        let settings = &self.settings;
-        let priors = |genomes: &[Genome]| genomes.iter().map(|it| genome::to_prior(it)).collect();
-        let (purpose, generation, subjects, trials): (_, _, Vec<Prior>, _) = match self.stage {
-            Stage::Reference => {
-                (Purpose::Reference, 0, vec![settings.controller.prior], REFERENCE_TRIALS)
-            }
-            Stage::Generations { generation } => {
-                let individuals = self.search.individuals();
-                let trials = settings.population / individuals.len() * settings.trials;
-                (Purpose::Train, generation, priors(individuals), trials)
-            }
-            Stage::Selection => {
-                (Purpose::Select, 0, priors(&self.candidates), settings.selection_trials)
-            }
-            Stage::Report => {
-                let subjects = self.reported().into_iter().map(|(_, prior)| prior).collect();
-                (Purpose::Report, 0, subjects, settings.report_trials)
-            }
+        let (purpose, generation) = match self.stage {
+            Stage::Reference => (Purpose::Reference, 0),
+            Stage::Generations { generation } => (Purpose::Train, generation),
+            Stage::Selection => (Purpose::Select, 0),
+            Stage::Report => (Purpose::Report, 0),
             Stage::Done => return Vec::new(),
         };
-        let method = match self.stage {
-            Stage::Reference => Method::FixedNormal,
-            _ => Method::Bayesian,
-        };
-        let fits = matches!(self.search, Search::EmpiricalBayes { .. });
-        let noiseless = fits && matches!(self.stage, Stage::Generations { .. });
-        let mut jobs = Vec::with_capacity(subjects.len() * settings.environments.len() * trials);
-        for prior in subjects {
-            for environment in 0..settings.environments.len() {
+        let (subjects, trials) = self.sizes();
+        let environments = self.settings.environments.len();
+        let mut jobs = Vec::with_capacity(subjects * environments * trials);
+        for subject in 0..subjects {
+            for environment in 0..environments {
+                // Common random numbers: no seed depends on the subject.
                 jobs.extend((0..trials).map(|trial| {
-                    let seed =
-                        seeds::seed(settings.seed, purpose, [generation, environment, trial]);
-                    Job { environment, method, prior, noiseless, seed }
+                    let place = [generation, environment, trial];
+                    let seed = seeds::seed(self.settings.seed, purpose, place);
+                    Job { subject, environment, seed }
                 }));
             }
         }
         jobs
     }
 
-    /// Drives one episode. The same job gives the same evaluation, bit for bit, on any thread.
+    /// How a subject of the stage drives.
+    fn method(&self, subject: usize) -> (Method, Prior) {
+        let prior = match self.stage {
+            Stage::Reference | Stage::Done => {
+                return (Method::FixedNormal, self.settings.controller.prior);
+            }
+            Stage::Generations { .. } => genome::to_prior(&self.search.individuals()[subject]),
+            Stage::Selection => genome::to_prior(&self.candidates[subject]),
+            Stage::Report => self.reported()[subject].1,
+        };
+        (Method::Bayesian, prior)
+    }
+
+    /// Drives one episode of [`Evolution::jobs`]. The same job gives the same evaluation, bit for bit, on any thread.
     pub fn evaluate(&self, job: &Job) -> Evaluation {
         let EvolutionSettings { controller, task, limits, environments, .. } = &self.settings;
         let environment = &environments[job.environment];
-        let noise = if job.noiseless { PoseNoise::NONE } else { controller.noise };
-        let (method, prior) = (job.method, job.prior);
+        // Empirical Bayes learns from samples of the floor and the link alone.
+        let fits = matches!(self.search, Search::EmpiricalBayes { .. });
+        let is_fitted = fits && matches!(self.stage, Stage::Generations { .. });
+        let noise = if is_fitted { PoseNoise::NONE } else { controller.noise };
+        let (method, prior) = self.method(job.subject);
         let scenario = Scenario {
             settings: Settings { method, prior, noise, ..*controller },
             plant: PlantModel { drive: controller.drive, slip: environment.slip, noise },
@@ -318,7 +331,8 @@ impl Evolution {
     /// # Errors
     /// Where there are more or fewer than jobs; nothing has happened then.
     pub fn tell(&mut self, evaluations: &[Evaluation]) -> Result<Option<Generation>, TellError> {
-        let asked = self.jobs().len();
+        let (subjects, trials) = self.sizes();
+        let asked = subjects * self.settings.environments.len() * trials;
         if evaluations.len() != asked {
             return Err(TellError { given: evaluations.len(), asked });
         }

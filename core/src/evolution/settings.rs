@@ -16,11 +16,13 @@ pub const MAX_GENERATIONS: usize = 1000;
 /// Most trials of an individual in an environment.
 pub const MAX_TRIALS: usize = 100;
 /// Most fresh trials that choose the champion.
-pub const MAX_SELECTION_TRIALS: usize = 1000;
+pub const MAX_SELECTION_TRIALS: usize = 500;
 /// Most fresh trials on which it is reported.
-pub const MAX_REPORT_TRIALS: usize = 10_000;
+pub const MAX_REPORT_TRIALS: usize = 1000;
 /// Most episodes of one evolution, about a day of one core.
 pub const MAX_EPISODES: u64 = 20_000_000;
+/// Most episodes of one generation: what comes of each is held until the generation ends, some 30 MB.
+pub const MAX_BATCH: u64 = 200_000;
 /// Largest expansion of a crossover.
 pub const MAX_EXPANSION: f64 = 10.0;
 
@@ -176,10 +178,17 @@ impl EvolutionSettings {
         count("selection_trials", self.selection_trials, 1, MAX_SELECTION_TRIALS)?;
         count("report_trials", self.report_trials, 2, MAX_REPORT_TRIALS)?;
         count("elites", self.genetic.elites, 0, self.population - 1)?;
-        let episodes = self.training_episodes();
-        if episodes > MAX_EPISODES {
-            let (field, low) = ("population x generations x trials x environments", 1);
-            return Err(SettingsError::Count { field, value: episodes, low, high: MAX_EPISODES });
+        for (field, value, high) in [
+            ("population x trials x environments", self.generation_episodes(), MAX_BATCH),
+            (
+                "population x generations x trials x environments",
+                self.training_episodes(),
+                MAX_EPISODES,
+            ),
+        ] {
+            if value > high {
+                return Err(SettingsError::Count { field, value, low: 1, high });
+            }
         }
         let GeneticSettings { crossover, reproduction, mutation, expansion, .. } = self.genetic;
         let all = [crossover, reproduction, mutation];
@@ -205,7 +214,12 @@ impl EvolutionSettings {
 
     /// Episodes of all generations.
     pub fn training_episodes(&self) -> u64 {
-        let sizes = [self.population, self.generations, self.trials, self.environments.len()];
+        self.generation_episodes().saturating_mul(self.generations as u64)
+    }
+
+    /// Episodes of one generation.
+    pub fn generation_episodes(&self) -> u64 {
+        let sizes = [self.population, self.trials, self.environments.len()];
         sizes.into_iter().fold(1, |product: u64, size| product.saturating_mul(size as u64))
     }
 }
@@ -261,5 +275,10 @@ mod tests {
         let huge =
             EvolutionSettings { population: 1000, generations: 1000, trials: 100, ..quick() };
         assert!(matches!(huge.check(), Err(SettingsError::Count { value: 200_000_000, .. })));
+        let wide = EvolutionSettings { population: 1000, generations: 1, trials: 100, ..quick() };
+        assert_eq!((wide.generation_episodes(), wide.check()), (MAX_BATCH, Ok(())));
+        let mut wider = wide;
+        wider.environments.extend(TrainingEnvironment::preset("slippery"));
+        assert!(matches!(wider.check(), Err(SettingsError::Count { value: 300_000, .. })));
     }
 }

@@ -96,7 +96,7 @@ fn seeds_are_common_within_a_generation_and_fresh_for_everything_else() {
     while evolution.report().is_none() {
         let jobs = evolution.jobs();
         let mut seeds: Vec<BTreeSet<u64>> = Vec::new();
-        for subject in jobs.chunk_by(|one, other| one.prior == other.prior) {
+        for subject in jobs.chunk_by(|one, other| one.subject == other.subject) {
             seeds.push(subject.iter().map(|job| job.seed).collect());
         }
         assert!(seeds.windows(2).all(|pair| pair[0] == pair[1]), "{:?}", evolution.stage());
@@ -183,9 +183,8 @@ fn the_champion_is_the_best_of_the_candidates_on_fresh_seeds() {
     }
     assert_eq!(evolution.stage(), Stage::Selection);
     let (jobs, favourite) = (evolution.jobs(), evolution.candidates[1].clone());
-    let prior = genome::to_prior(&favourite);
     let evaluations: Vec<_> =
-        jobs.iter().map(|job| evaluation(if job.prior == prior { 9.0 } else { 10.0 })).collect();
+        jobs.iter().map(|job| evaluation(if job.subject == 1 { 9.0 } else { 10.0 })).collect();
     evolution.tell(&evaluations).unwrap();
     assert_eq!(evolution.champion, Some(favourite));
 }

@@ -2,7 +2,7 @@
 
 use super::route::Schemas;
 use crate::check::{Check, Checked, Limit};
-use crate::{robot, step, task};
+use crate::{evolution, prior, robot, step, task, training};
 use utoipa::openapi::schema::{ArrayItems, Schema};
 use utoipa::openapi::{Object, RefOr};
 use utoipa::{Number, ToSchema};
@@ -13,7 +13,8 @@ use utoipa::{Number, ToSchema};
 /// Where a check asks about a field that its schema does not have: a mistake in this crate, found by its tests.
 pub(super) fn apply(schemas: &mut Schemas) {
     let monte_carlo = robot::Predictor::MonteCarlo { agents: 1, cell_m: 0.01, seed: 0 };
-    write(schemas, &robot::Spec { predictor: monte_carlo, ..robot::Spec::default() });
+    let prior = robot::PriorChoice::Inline(robot::Prior::default());
+    write(schemas, &robot::Spec { predictor: monte_carlo, prior, ..robot::Spec::default() });
     write(
         schemas,
         &task::Spec {
@@ -23,6 +24,7 @@ pub(super) fn apply(schemas: &mut Schemas) {
             calibration: Some(task::Calibration::default()),
         },
     );
+    write_evolve(schemas);
     let observation = step::Observation { x_m: 0.0, y_m: 0.0, heading_rad: 0.0, taken_s: 0.0 };
     write(
         schemas,
@@ -47,6 +49,36 @@ pub(super) fn apply(schemas: &mut Schemas) {
             wheel_speeds: vec![step::WheelSpeeds::default()],
         },
     );
+}
+
+/// Priors, simulated environments with each kind of link, and evolutions.
+fn write_evolve(schemas: &mut Schemas) {
+    write(schemas, &prior::Spec { note: Some(String::new()), ..prior::Spec::default() });
+    for rtt in [
+        training::Rtt::Constant { rtt_s: 0.0 },
+        training::Rtt::Lognormal { median_s: 0.01, p99_s: 0.1 },
+        training::Rtt::Trace { rows: vec![training::TraceRow { t_s: 0.0, rtt_s: 0.0 }] },
+    ] {
+        let model = training::LinkModel {
+            sensor_delay_s: 0.0,
+            rtt,
+            late: training::LatePackets { after_late: Some(0.0), ..Default::default() },
+            outages: vec![training::Outage { start_s: 0.0, duration_s: 0.0 }],
+            silences: training::Silences::default(),
+            in_order: true,
+        };
+        write(
+            schemas,
+            &training::Spec {
+                slip: training::Floor::Slip(training::Slip::default()),
+                link: training::Link::Model(Box::new(model)),
+                fitness: training::Fitness::Normal,
+                weight: 1.0,
+                note: None,
+            },
+        );
+    }
+    write(schemas, &evolution::Request::default());
 }
 
 fn write<T: Checked + ToSchema>(schemas: &mut Schemas, example: &T) {
@@ -121,6 +153,11 @@ fn write_here(schema: &mut Schema, limit: &Limit) -> Found {
         }
         (Schema::Object(object), Limit::Integer(range)) => {
             set(object, Number::UInt(*range.start() as usize), Number::UInt(*range.end() as usize))
+        }
+        (Schema::Object(object), Limit::Length(range)) => {
+            object.min_length = (*range.start() > 0).then_some(*range.start());
+            object.max_length = Some(*range.end());
+            Found::Written
         }
         (Schema::Array(array), Limit::Length(range)) => {
             array.min_items = Some(*range.start());

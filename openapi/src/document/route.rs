@@ -1,6 +1,9 @@
 //! One route of the contract and its OpenAPI form.
 
-use crate::id::RobotId;
+use crate::IdempotencyKey;
+use crate::evolution::Figure;
+use crate::id::{EnvironmentId, EvolutionId, PriorId, RobotId};
+use crate::idempotency::MAX_KEY;
 use crate::problem::ErrorBody;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -40,12 +43,19 @@ impl Route {
         Self::new(HttpMethod::Delete, path, id, summary)
     }
 
-    /// Every operation knows its path parameters, all of them ids of robots so far, and may fail.
+    /// Every operation knows its path parameters, whose names say what they are, and may fail.
     fn new(method: HttpMethod, path: &'static str, id: &str, summary: &str) -> Self {
         let operation = OperationBuilder::new().operation_id(Some(id)).summary(Some(summary));
         let mut route = Self { path, schemas: Schemas::new(), method, operation };
         for name in path.split('/').filter_map(|part| part.strip_prefix('{')?.strip_suffix('}')) {
-            let schema = route.schema::<RobotId>();
+            let schema = match name {
+                "robot" => route.schema::<RobotId>(),
+                "prior" => route.schema::<PriorId>(),
+                "environment" => route.schema::<EnvironmentId>(),
+                "evolution" => route.schema::<EvolutionId>(),
+                "figure" => route.schema::<Figure>(),
+                other => unreachable!("nobody knows what a {other} is"),
+            };
             let about = format!("Id of the {name}");
             route = route.parameter(name, ParameterIn::Path, Required::True, &about, schema);
         }
@@ -78,6 +88,17 @@ impl Route {
         self.parameter("If-Match", ParameterIn::Header, Required::False, about, text(200))
     }
 
+    pub(super) fn idempotency_key(self) -> Self {
+        let about = "Of this one intention to create: visible ASCII characters, best a random UUID";
+        let schema = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::String))
+            .min_length(Some(1))
+            .max_length(Some(MAX_KEY))
+            .pattern(Some("^[!-~]+$"));
+        let (place, optional) = (ParameterIn::Header, Required::False);
+        self.parameter(IdempotencyKey::HEADER, place, optional, about, schema.into())
+    }
+
     pub(super) fn last_event_id(self) -> Self {
         let about = "Id of the last event that was received";
         let schema = integer_from(0);
@@ -99,6 +120,27 @@ impl Route {
         let response =
             ResponseBuilder::new().description(about).content("application/json", content);
         self.respond(code, response.build())
+    }
+
+    /// Gives what was created, and says in `Location` where it is.
+    pub(super) fn creates<T: ToSchema>(mut self, about: &str) -> Self {
+        let content = ContentBuilder::new().schema(Some(self.schema::<T>())).build();
+        let location = HeaderBuilder::new()
+            .schema(Some(text(200)))
+            .description(Some("Path of what was created"))
+            .build();
+        let response = ResponseBuilder::new()
+            .description(about)
+            .header("Location", location)
+            .content("application/json", content);
+        self.respond(201, response.build())
+    }
+
+    pub(super) fn gives_text(self, media_type: &str, about: &str) -> Self {
+        let schema = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).build();
+        let content = ContentBuilder::new().schema(Some(schema)).build();
+        let response = ResponseBuilder::new().description(about).content(media_type, content);
+        self.respond(200, response.build())
     }
 
     pub(super) fn gives_object(self, about: &str) -> Self {

@@ -1,7 +1,9 @@
 //! What is believed about the floor before any sample.
 
 use crate::check::{Check, Checked, Range};
-use serde::{Deserialize, Serialize};
+use crate::id::PriorId;
+use crate::named::NameOr;
+use serde::{Deserialize, Deserializer, Serialize};
 use umwelt_core::conjugate::{ConjugateError, NormalInverseChiSquared};
 use umwelt_core::controller::settings;
 use utoipa::ToSchema;
@@ -91,12 +93,66 @@ impl From<settings::Prior> for Prior {
 
 impl Prior {
     /// The prior in core's terms.
-    pub(super) fn convert(self) -> Result<settings::Prior, ConjugateError> {
+    pub(crate) fn convert(self) -> Result<settings::Prior, ConjugateError> {
         Ok(settings::Prior {
             forward: self.forward.convert()?,
             lateral: self.lateral.convert()?,
             turn: self.turn.convert()?,
             drift: self.drift.convert()?,
         })
+    }
+}
+
+/// The prior that a robot begins with: the name of one, or one of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+#[serde(untagged)]
+#[schema(as = robot::PriorChoice)]
+pub enum PriorChoice {
+    /// The name of a prior: `default`, `flat`, `thesis`, or one of `GET /v1/priors`.
+    Named(String),
+    /// The prior itself.
+    Inline(Prior),
+}
+
+/// The name of the weak prior that robots have where nothing is said.
+pub const DEFAULT_PRIOR: &str = "default";
+
+impl Default for PriorChoice {
+    fn default() -> Self {
+        Self::Named(DEFAULT_PRIOR.to_owned())
+    }
+}
+
+impl From<&PriorId> for PriorChoice {
+    fn from(name: &PriorId) -> Self {
+        Self::Named(name.to_string())
+    }
+}
+
+impl<'de> Deserialize<'de> for PriorChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let read = NameOr::read(deserializer, "the name of a prior, or an object with one")?;
+        Ok(match read {
+            NameOr::Name(name) => Self::Named(name),
+            NameOr::Thing(prior) => Self::Inline(prior),
+        })
+    }
+}
+
+impl PriorChoice {
+    /// The name of the prior, if it has one.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Named(name) => Some(name),
+            Self::Inline(_) => None,
+        }
+    }
+
+    /// Checks what field `field` holds.
+    pub(super) fn check(&self, field: &str, check: &mut Check) {
+        match self {
+            Self::Named(name) => check.id(field, name),
+            Self::Inline(prior) => check.field(field, |check| prior.check(check)),
+        }
     }
 }

@@ -1,9 +1,10 @@
 //! What is said about a robot once.
 
-use super::{Attribution, Drive, Method, Noise, Predictor, Prior};
+use super::{Attribution, DEFAULT_PRIOR, Drive, Method, Noise, Predictor, PriorChoice};
 use crate::body;
 use crate::check::{Check, Checked, Range};
-use crate::problem::{Detail, Problems, reason};
+use crate::named::Known;
+use crate::problem::{Problems, reason};
 use serde::{Deserialize, Serialize};
 use umwelt_core::controller::settings::{self, Settings};
 use umwelt_core::horizon::{MAX_SLOTS, SLOT};
@@ -106,16 +107,16 @@ impl From<settings::SteeringSettings> for Steering {
 /// What is said about a robot once. Everything may be left out; a response has it all filled in.
 ///
 /// ```
-/// use umwelt_api::robot::Spec;
+/// use umwelt_api::{prior, robot::Spec};
 /// let spec = Spec::read(br#"{"method": "statistic", "drive": {"lag_s": 0.1}}"#)?;
-/// assert_eq!(spec.to_core()?.drive.lag, 0.1);
+/// assert_eq!(spec.to_core(prior::built_in)?.drive.lag, 0.1);
 ///
 /// let problems = Spec::read(br#"{"horizon_slots": 68, "drive": {"lag": 0.1}}"#).unwrap_err();
 /// let fields: Vec<_> = problems.details().iter().map(|detail| detail.field.as_str()).collect();
 /// assert_eq!(fields, ["drive.lag", "horizon_slots"]);
 /// # Ok::<(), umwelt_api::Problems>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
 #[schema(as = robot::Spec)]
 pub struct Spec {
@@ -142,13 +143,13 @@ pub struct Spec {
     pub variance: VarianceLimits,
     /// The steering law.
     pub steering: Steering,
-    /// Belief about the floor before any sample.
-    pub prior: Prior,
+    /// Belief about the floor before any sample: the name of a prior, or one of the robot's own.
+    pub prior: PriorChoice,
 }
 
 impl Default for Spec {
     fn default() -> Self {
-        Self::from(&Settings::default())
+        Self::from_core(&Settings::default(), Some(DEFAULT_PRIOR))
     }
 }
 
@@ -168,12 +169,12 @@ impl Checked for Spec {
         check.field("predictor", |check| self.predictor.check(check));
         check.field("variance", |check| self.variance.check(check));
         check.field("steering", |check| self.steering.check(check));
-        check.field("prior", |check| self.prior.check(check));
+        self.prior.check("prior", check);
     }
 }
 
 impl Spec {
-    /// Reads the body of a PUT.
+    /// Reads the body of a PUT; whether a prior goes by the name that it gives is not asked.
     ///
     /// # Errors
     /// Every problem of it: unknown fields, values out of range, fields that contradict each other.
@@ -181,16 +182,60 @@ impl Spec {
         body::read_shared(json)
     }
 
-    /// The settings of the controller. Slots are 30 ms long.
+    /// Reads the body of a PUT where the priors are known: what was said, and the settings that it means.
     ///
     /// # Errors
-    /// Every field that is out of its range or contradicts another.
-    pub fn to_core(&self) -> Result<Settings, Problems> {
-        Check::all(self)?;
-        let prior = self.prior.convert().map_err(|error| {
-            Detail::new(reason::OUT_OF_RANGE, "prior", error.to_string(), "use other numbers")
-        })?;
-        Ok(Settings {
+    /// Every problem as [`Spec::read`] and [`Spec::to_core`] have it, all at once.
+    pub fn read_known(
+        json: &[u8],
+        known: impl Fn(&str) -> Known<settings::Prior>,
+    ) -> Result<(Self, Settings), Problems> {
+        let (spec, mut check) = body::read_open::<Self>(json)?;
+        let prior = spec.resolve_prior(known, &mut check);
+        check.finish()?;
+        let settings = spec.settings(prior);
+        Ok((spec, settings))
+    }
+
+    /// Every field that is out of its range or contradicts another; whether the prior is known is not asked.
+    ///
+    /// # Errors
+    /// All of them.
+    pub fn validate(&self) -> Result<(), Problems> {
+        Check::all(self)
+    }
+
+    /// The settings of the controller, where `known` says what prior a name stands for. Slots are 30 ms long.
+    ///
+    /// # Errors
+    /// Every field that is out of its range or contradicts another, and a prior that nobody knows.
+    pub fn to_core(
+        &self,
+        known: impl Fn(&str) -> Known<settings::Prior>,
+    ) -> Result<Settings, Problems> {
+        let mut check = Check::default();
+        self.check(&mut check);
+        let prior = self.resolve_prior(known, &mut check);
+        check.finish()?;
+        Ok(self.settings(prior))
+    }
+
+    /// The prior that is meant; anything where it is wrong, which `check` then knows.
+    fn resolve_prior(
+        &self,
+        known: impl Fn(&str) -> Known<settings::Prior>,
+        check: &mut Check,
+    ) -> settings::Prior {
+        let found = match &self.prior {
+            PriorChoice::Inline(prior) => check.ok("prior", prior.convert()),
+            PriorChoice::Named(name) => check.known("prior", name, reason::UNKNOWN_PRIOR, known),
+        };
+        found.unwrap_or_default()
+    }
+
+    /// The settings that this checked spec means, beginning with `prior`.
+    fn settings(&self, prior: settings::Prior) -> Settings {
+        Settings {
             drive: self.drive.convert(),
             noise: self.noise.convert(),
             method: self.method.into(),
@@ -212,11 +257,18 @@ impl Spec {
                 turn_tolerance: self.steering.turn_tolerance_rad,
                 turn_beyond: self.steering.turn_beyond_rad,
             },
-        })
+        }
+    }
+
+    /// What one would say to have a robot of these settings whose prior goes by this name, if it has one.
+    pub fn from_core(core: &Settings, prior: Option<&str>) -> Self {
+        let spec = Self::from(core);
+        Self { prior: prior.map_or(spec.prior, |it| PriorChoice::Named(it.to_owned())), ..spec }
     }
 }
 
 impl From<&Settings> for Spec {
+    /// With the prior itself, not its name.
     fn from(core: &Settings) -> Self {
         Self {
             drive: core.drive.into(),
@@ -230,7 +282,7 @@ impl From<&Settings> for Spec {
             predictor: core.predictor.into(),
             variance: core.variance.into(),
             steering: core.steering.into(),
-            prior: core.prior.into(),
+            prior: PriorChoice::Inline(core.prior.into()),
         }
     }
 }

@@ -14,7 +14,7 @@ use umwelt_core::kinematics::Drive;
 
 pub(super) const MAX: u64 = robot::MAX_INTEGER;
 
-fn within(range: Range) -> impl Strategy<Value = f64> {
+pub(super) fn within(range: Range) -> impl Strategy<Value = f64> {
     // Both ends are allowed values, and the likeliest to be lost.
     prop_oneof![8 => range.min..=range.max, 1 => Just(range.min), 1 => Just(range.max)]
 }
@@ -22,6 +22,12 @@ fn within(range: Range) -> impl Strategy<Value = f64> {
 fn belief() -> impl Strategy<Value = NormalInverseChiSquared> {
     (within(robot::MU), within(robot::WEIGHT), within(robot::WEIGHT), within(robot::SUM_OF_SQUARES))
         .prop_map(|(mu, k, r, s)| NormalInverseChiSquared::new(mu, k, r, s).unwrap())
+}
+
+pub(super) fn prior() -> impl Strategy<Value = settings::Prior> {
+    (belief(), belief(), belief(), belief()).prop_map(|(forward, lateral, turn, drift)| {
+        settings::Prior { forward, lateral, turn, drift }
+    })
 }
 
 fn drive() -> impl Strategy<Value = Drive> {
@@ -87,10 +93,7 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
             turn_tolerance,
             turn_beyond,
         });
-    let prior =
-        (belief(), belief(), belief(), belief()).prop_map(|(forward, lateral, turn, drift)| {
-            settings::Prior { forward, lateral, turn, drift }
-        });
+    let prior = prior();
     let choices = (select(settings::Method::ALL.to_vec()), attribution, any::<bool>());
     let times = (1..=MAX_SLOTS, within(robot::LOOP_DELAY), watchdog);
     (drive(), noise, choices, times, predictor, variance, steering, prior).prop_map(

@@ -1,0 +1,124 @@
+//! Evolutions: priors searched for in the background, in simulated environments.
+
+mod champion;
+mod convert;
+mod event;
+mod generation;
+mod page;
+mod progress;
+mod request;
+mod spec;
+
+pub use champion::{Champion, Entry, EnvironmentResult, Estimate};
+pub use event::{Event, Kind};
+pub use generation::{Generation, GenerationEnvironment};
+pub use page::{DEFAULT_GENERATIONS_SIZE, GenerationsPage, MAX_GENERATIONS_SIZE, Page, PageQuery};
+pub use progress::{Progress, Stage};
+pub use request::Request;
+pub use spec::{
+    ENVIRONMENTS, EXPANSION, GENERATIONS, MAX_BATCH, MAX_DEVIATION, MAX_EPISODES, MAX_TIME,
+    Optimizer, POPULATION, PROBABILITY, Preset, REPORT_TRIALS, SELECTION_TRIALS, SUM_TOLERANCE,
+    Spec, TRIALS,
+};
+
+use crate::id::{EvolutionId, PriorId};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Largest body of a request in bytes; a full one has 3 kB.
+pub const MAX_BODY: usize = 64 * 1024;
+
+/// Where an evolution stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = evolution::State)]
+pub enum State {
+    /// It waits for its turn.
+    Queued,
+    /// It goes on.
+    Running,
+    /// It has a champion.
+    Succeeded,
+    /// It could not go on; `error` says why.
+    Failed,
+    /// Somebody cancelled it.
+    Cancelled,
+}
+
+impl State {
+    /// Every state.
+    pub const ALL: [Self; 5] =
+        [Self::Queued, Self::Running, Self::Succeeded, Self::Failed, Self::Cancelled];
+
+    /// The name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Queued => "queued",
+            Self::Running => "running",
+            Self::Succeeded => "succeeded",
+            Self::Failed => "failed",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// Whether it will never change again.
+    pub fn has_ended(self) -> bool {
+        !matches!(self, Self::Queued | Self::Running)
+    }
+}
+
+/// An evolution as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::Evolution)]
+pub struct Evolution {
+    /// Its id, given by the server.
+    pub evolution: EvolutionId,
+    /// Where it stands.
+    pub state: State,
+    /// What was asked for, all filled in.
+    pub spec: Spec,
+    /// How far it has got.
+    pub progress: Progress,
+    /// How often it went on after a restart of the server.
+    pub interrupted: u64,
+    /// When it was submitted, in seconds since 1970 by the server's clock.
+    pub created_unix_s: u64,
+    /// Why it failed; null where it did not.
+    pub error: Option<String>,
+    /// The name under which its champion was kept as a prior; null until then, and where none was asked for.
+    pub prior: Option<PriorId>,
+    /// What it found; null until it has succeeded.
+    pub champion: Option<Champion>,
+}
+
+/// A figure of an evolution (thesis figures 6 and 7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = evolution::Figure)]
+pub enum Figure {
+    /// Largest deviation, best and mean per generation (thesis figure 6).
+    Deviation,
+    /// Completion time, best and mean per generation (thesis figure 7).
+    Time,
+}
+
+impl Figure {
+    /// Every figure.
+    pub const ALL: [Self; 2] = [Self::Deviation, Self::Time];
+
+    /// The media type of every figure.
+    pub const MEDIA_TYPE: &str = "image/svg+xml";
+
+    /// The name in a path.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Deviation => "deviation",
+            Self::Time => "time",
+        }
+    }
+
+    /// The figure of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|figure| figure.name() == name)
+    }
+}

@@ -1,0 +1,113 @@
+//! What an evolution found, and what it is worth beside what was there before.
+
+use crate::number;
+use crate::robot;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// A mean with its 95 % confidence interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::Estimate)]
+pub struct Estimate {
+    /// The mean.
+    #[serde(serialize_with = "number::finite")]
+    pub mean: f64,
+    /// Lower end of the interval.
+    #[serde(serialize_with = "number::finite")]
+    pub low: f64,
+    /// Upper end of the interval.
+    #[serde(serialize_with = "number::finite")]
+    pub high: f64,
+}
+
+impl Estimate {
+    /// Whether the interval includes zero: then no difference is shown.
+    pub fn includes_zero(&self) -> bool {
+        self.low <= 0.0 && 0.0 <= self.high
+    }
+}
+
+/// A prior in one environment, on the seeds of the report.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::EnvironmentResult)]
+pub struct EnvironmentResult {
+    /// The environment.
+    pub environment: String,
+    /// Fitness, 1 being that of a fixed model.
+    pub fitness: Estimate,
+    /// Mean time from the end of the calibration to the arrival; the limit where there was none.
+    #[serde(serialize_with = "number::finite")]
+    pub time_s: f64,
+    /// Mean of the largest deviations.
+    #[serde(serialize_with = "number::finite")]
+    pub deviation_m: f64,
+    /// Share of the trials in which the robot arrived, 0 to 1.
+    #[serde(serialize_with = "number::finite")]
+    pub arrived: f64,
+}
+
+/// One prior on the seeds of the report.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::Entry)]
+pub struct Entry {
+    /// `champion`, `first-generation` (the best of it), `default` or `flat`; expect others.
+    pub name: String,
+    /// The prior.
+    pub prior: robot::Prior,
+    /// Its fitness: the weighted mean over the environments.
+    pub fitness: Estimate,
+    /// The champion's fitness minus this one's, paired by seed; null for the champion itself.
+    pub difference: Option<Estimate>,
+    /// Each environment alone.
+    pub environments: Vec<EnvironmentResult>,
+    /// What the difference says, in plain words; says so where the interval includes zero.
+    pub verdict: String,
+}
+
+/// What an evolution found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::Champion)]
+pub struct Champion {
+    /// The champion's prior.
+    pub prior: robot::Prior,
+    /// Fresh trials in each environment behind every number here.
+    pub trials: u64,
+    /// The champion first, then what it has to beat.
+    pub entries: Vec<Entry>,
+}
+
+/// What a difference says in plain words: the champion's fitness minus that of `name`.
+pub(super) fn verdict(name: &str, difference: Option<Estimate>) -> String {
+    let Some(difference) = difference else { return "the champion itself".to_owned() };
+    let Estimate { mean, low, high } = difference;
+    if difference.includes_zero() {
+        return format!(
+            "the interval {low:.3} to {high:.3} includes zero: no difference to {name} is shown"
+        );
+    }
+    let (better, by) = if mean > 0.0 { ("better", mean) } else { ("worse", -mean) };
+    format!("the champion is {better} than {name} by {by:.3} ({low:.3} to {high:.3})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_says_where_the_interval_includes_zero() {
+        let say = |mean, low, high| verdict("flat", Some(Estimate { mean, low, high }));
+        for (low, high) in [(-0.1, 0.3), (0.0, 0.2), (-0.2, 0.0)] {
+            let words = say((low + high) / 2.0, low, high);
+            assert!(words.contains("includes zero") && words.contains("no difference"), "{words}");
+        }
+        assert_eq!(
+            say(0.2, 0.1, 0.3),
+            "the champion is better than flat by 0.200 (0.100 to 0.300)"
+        );
+        assert_eq!(
+            say(-0.2, -0.3, -0.1),
+            "the champion is worse than flat by 0.200 (-0.300 to -0.100)"
+        );
+        assert_eq!(verdict("champion", None), "the champion itself");
+    }
+}

@@ -1,0 +1,84 @@
+//! What happens to an evolution, as server-sent events.
+//!
+//! The `id:` of an event is the number of generations that have ended: [`Event::id`]. It survives a restart of the
+//! server. A stream begins with the generations behind `Last-Event-ID` (all of them without it: they are kept, so
+//! nothing is missed), then says the state as it is now and goes on with what happens. A state never counts a
+//! generation that the stream has not told before. The stream ends with the state in which the evolution ended.
+
+use super::{Generation, Progress, State};
+use crate::id::EvolutionId;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Something that happened to an evolution.
+///
+/// ```
+/// use umwelt_api::evolution::{Event, Kind};
+/// let later = r#"{"id": 8, "evolution": "evolution-1", "type": "of-tomorrow", "much": 1}"#;
+/// assert_eq!(serde_json::from_str::<Event>(later)?.kind, Kind::Other);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::Event)]
+pub struct Event {
+    /// Generations that have ended: never decreasing, the same after a restart.
+    pub id: u64,
+    /// The evolution.
+    pub evolution: EvolutionId,
+    /// What happened.
+    #[serde(flatten)]
+    pub kind: Kind,
+}
+
+/// What happened to an evolution.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+#[schema(as = evolution::Kind)]
+pub enum Kind {
+    /// A generation ended; the event's id is its index plus one.
+    Generation {
+        /// What came of it.
+        generation: Box<Generation>,
+    },
+    /// The state, the stage, or how far it has got: once what is past has been told, and after each change.
+    State {
+        /// Where it stands.
+        state: State,
+        /// How far it has got.
+        progress: Progress,
+        /// Why it failed; null where it did not.
+        error: Option<String>,
+    },
+    /// Something of a later version.
+    #[serde(other, skip_serializing)]
+    Other,
+}
+
+impl Kind {
+    /// The value of `type`, and of `event:` in the stream.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Generation { .. } => "generation",
+            Self::State { .. } => "state",
+            Self::Other => "other",
+        }
+    }
+}
+
+impl Event {
+    /// The event that `generation` ended.
+    pub fn generation(evolution: EvolutionId, generation: Generation) -> Self {
+        let id = generation.index + 1;
+        Self { id, evolution, kind: Kind::Generation { generation: Box::new(generation) } }
+    }
+
+    /// The event that the evolution stands here now.
+    pub fn state(
+        evolution: EvolutionId,
+        state: State,
+        progress: Progress,
+        error: Option<String>,
+    ) -> Self {
+        Self { id: progress.generation, evolution, kind: Kind::State { state, progress, error } }
+    }
+}

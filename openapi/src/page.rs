@@ -1,0 +1,46 @@
+//! Lists come in pages.
+
+use crate::check::Check;
+use crate::problem::Problems;
+use serde::{Deserialize, Serialize};
+
+/// Most items of one page of priors or evolutions: some megabytes where each has a champion.
+pub const MAX_PAGE_SIZE: u64 = 500;
+
+/// Items of a page where nothing is said.
+pub const DEFAULT_PAGE_SIZE: u64 = 50;
+
+/// Longest page token: it holds an id or a number and little else.
+pub const MAX_PAGE_TOKEN: usize = 128;
+
+/// Which part of a list to show: the query of `GET /v1/priors`, `/v1/environments` and
+/// `/v1/evolutions/{evolution}/generations`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PageQuery {
+    /// Most items to list.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page_size: Option<u64>,
+    /// The `next_page_token` of the page before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page_token: Option<String>,
+}
+
+impl PageQuery {
+    /// The query, if every part of it is in range; `max_page_size` is that of the list.
+    ///
+    /// # Errors
+    /// Every parameter that is not.
+    pub fn checked(self, max_page_size: u64) -> Result<Self, Problems> {
+        let mut check = Check::default();
+        limits(&mut check, self.page_size, self.page_token.as_deref(), max_page_size);
+        check.finish()?;
+        Ok(self)
+    }
+}
+
+/// Checks what every query of a list has.
+pub(crate) fn limits(check: &mut Check, size: Option<u64>, token: Option<&str>, max: u64) {
+    check.integer("page_size", size.unwrap_or(1), 1..=max);
+    check.length("page_token", token.map_or(0, str::len), 0..=MAX_PAGE_TOKEN);
+}

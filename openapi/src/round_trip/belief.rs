@@ -1,0 +1,225 @@
+//! The laws of priors and of the simulated environments in which they are evolved.
+
+use super::strategies::{prior, within};
+use super::{pairs, problems};
+use crate::problem::reason;
+use crate::{prior, robot, training};
+use proptest::prelude::*;
+use proptest::sample::select;
+use serde_json::{Value, json};
+use umwelt_core::controller::settings::Prior;
+use umwelt_core::evolution::{ENVIRONMENTS, Fitness, TrainingEnvironment};
+use umwelt_core::identification::BUILT_IN_PRIORS;
+use umwelt_core::link::{
+    LatePackets, LinkModel, Outage, PRESETS, Rtt, RttTrace, SENSOR_DELAY, Silences,
+};
+use umwelt_core::plant::{SLIP_PRESETS, Slip, SlipChannel};
+
+fn slip() -> impl Strategy<Value = Slip> {
+    let channel = || {
+        (within(training::SLIP_MEAN), within(training::SLIP_SD))
+            .prop_map(|(mean, sd)| SlipChannel::new(mean, sd).unwrap())
+    };
+    let preset = select(SLIP_PRESETS.to_vec()).prop_map(|name| Slip::preset(name).unwrap());
+    let any = (channel(), channel(), channel(), channel())
+        .prop_map(|(forward, lateral, turn, drift)| Slip { forward, lateral, turn, drift });
+    prop_oneof![preset, any]
+}
+
+fn link() -> impl Strategy<Value = LinkModel> {
+    let rtt = prop_oneof![
+        within(training::DELAY).prop_map(Rtt::Constant),
+        (0.001..1.0f64, 1.0..60.0f64).prop_map(|(median, p99)| Rtt::Lognormal { median, p99 }),
+        prop::collection::vec((0.001..9.0f64, within(training::DELAY)), 1..9).prop_map(|rows| {
+            let mut now = 0.0;
+            let rows = rows.into_iter().map(|(later, rtt)| {
+                now += later;
+                (now, rtt)
+            });
+            Rtt::Trace(RttTrace::new(rows.collect()).unwrap())
+        }),
+    ];
+    let late = (0.0..0.5f64, 0.0..0.9f64, within(training::DELAY)).prop_map(
+        |(probability, after_late, extra)| LatePackets { probability, after_late, extra },
+    );
+    let outages = prop::collection::vec((0.0..9.0f64, 0.0..9.0f64), 0..9).prop_map(|list| {
+        let mut end = 0.0;
+        let outages = list.into_iter().map(|(wait, duration)| {
+            let outage = Outage { start: end + wait, duration };
+            end = outage.start + duration;
+            outage
+        });
+        outages.collect::<Vec<_>>()
+    });
+    let silences = (0.0..0.1f64, 0.1..1.0f64, 1.0..10.0f64)
+        .prop_map(|(rate, shortest, longest)| Silences { rate, shortest, longest });
+    let any = (rtt, late, outages, silences, any::<bool>()).prop_map(
+        |(rtt, late, outages, silences, in_order)| LinkModel {
+            sensor_delay: SENSOR_DELAY,
+            rtt,
+            late,
+            outages,
+            silences,
+            in_order,
+        },
+    );
+    let preset = select(PRESETS.to_vec()).prop_map(|name| LinkModel::preset(name).unwrap());
+    prop_oneof![preset, any]
+}
+
+proptest! {
+    #[test]
+    fn a_prior_survives_the_wire(core in prior(), note in prop::option::of("[ -~ä]{0,99}")) {
+        let spec = prior::Spec { note: note.clone(), ..robot::Prior::from(core).into() };
+        let read = prior::Spec::read(&serde_json::to_vec(&spec).unwrap()).unwrap();
+        prop_assert_eq!((read.to_core(), &read.note), (Ok(core), &note));
+        let shown = prior::Prior::new("a".parse().unwrap(), read, prior::Source::Put, "1");
+        let json = serde_json::to_string(&shown).unwrap();
+        let shown: prior::Prior = serde_json::from_str(&json).unwrap();
+        prop_assert_eq!(shown.to_spec(), spec);
+    }
+
+    #[test]
+    fn a_simulated_environment_survives_the_wire(slip in slip(), link in link(), weight in within(training::WEIGHT), bad in any::<bool>()) {
+        let fitness = if bad { Fitness::Bad } else { Fitness::Normal };
+        let core = TrainingEnvironment { name: "a".to_owned(), slip, link, fitness, weight };
+        let spec = training::Spec::from(&core);
+        let read = training::Spec::read(&serde_json::to_vec(&spec).unwrap()).unwrap();
+        prop_assert_eq!(read.to_core(&"a".parse().unwrap()), Ok(core));
+        let shown = training::Environment::new("a".parse().unwrap(), spec.clone(), false, "1");
+        prop_assert_eq!(shown.to_spec(), spec);
+    }
+}
+
+#[test]
+fn what_is_built_in_can_be_put_under_another_name() {
+    for name in BUILT_IN_PRIORS {
+        let spec = prior::Spec::from(robot::Prior::from(Prior::built_in(name).unwrap()));
+        assert_eq!(spec.to_core().ok(), Prior::built_in(name), "{name}");
+        assert_eq!(prior::built_in(name).ok(), Prior::built_in(name));
+    }
+    for name in ENVIRONMENTS {
+        let core = TrainingEnvironment::preset(name).unwrap();
+        assert_eq!(training::Spec::from(&core).to_core(&name.parse().unwrap()), Ok(core), "{name}");
+    }
+    assert_eq!(prior::built_in("best").unwrap_err(), BUILT_IN_PRIORS);
+    assert_eq!(training::built_in("moon").unwrap_err(), ENVIRONMENTS);
+}
+
+#[test]
+fn a_robot_names_its_prior_or_has_its_own() {
+    let read = |prior: Value| {
+        let body = json!({ "prior": prior, "horizon_slots": 1 }).to_string();
+        robot::Spec::read_known(body.as_bytes(), prior::built_in)
+    };
+    let (spec, settings) = read(json!("flat")).unwrap();
+    assert_eq!((spec.prior.name(), settings.prior), (Some("flat"), Prior::flat()));
+    assert_eq!(robot::Spec::from_core(&settings, Some("flat")), spec);
+    let (spec, settings) = read(json!({"turn": {"mu": 0.1, "k": 1, "r": 4, "s": 0.1}})).unwrap();
+    assert_eq!((spec.prior.name(), settings.prior.turn.mu()), (None, 0.1));
+    assert_eq!(settings.prior.forward, Prior::default().forward);
+    assert_eq!(robot::Spec::default().prior.name(), Some(robot::DEFAULT_PRIOR));
+}
+
+#[test]
+fn a_bad_prior_of_a_robot_is_told_with_everything_else() {
+    let bad = |prior: Value| {
+        let body = json!({ "prior": prior, "horizon_slots": 0, "drive": {"lag": 1} }).to_string();
+        robot::Spec::read_known(body.as_bytes(), prior::built_in).unwrap_err()
+    };
+    let told = |prior: Value| {
+        let mut found = problems::<()>(Err(bad(prior)));
+        let others =
+            pairs(&[(reason::UNKNOWN_FIELD, "drive.lag"), (reason::OUT_OF_RANGE, "horizon_slots")]);
+        found.retain(|problem| !others.contains(problem));
+        found
+    };
+    assert_eq!(told(json!("best")), pairs(&[(reason::UNKNOWN_PRIOR, "prior")]));
+    let problems = bad(json!("best"));
+    let unknown = problems.details().iter().find(|it| it.field == "prior").unwrap();
+    assert_eq!(
+        (&unknown.value, unknown.remedy.as_str()),
+        (&json!("best"), "known: default, flat, thesis")
+    );
+    assert_eq!(told(json!("The best")), pairs(&[(reason::INVALID_ID, "prior")]));
+    let numbers = json!({"turn": {"mu": 99, "k": 0, "r": 4, "s": 0.1, "t": 5}, "yaw": {}});
+    let mut found = told(numbers);
+    found.sort();
+    assert_eq!(
+        found,
+        pairs(&[
+            (reason::OUT_OF_RANGE, "prior.turn.k"),
+            (reason::OUT_OF_RANGE, "prior.turn.mu"),
+            (reason::UNKNOWN_FIELD, "prior.turn.t"),
+            (reason::UNKNOWN_FIELD, "prior.yaw"),
+        ])
+    );
+    // Of another type altogether: serde stops there, but says where and what else it could be.
+    for (prior, field) in [
+        (json!(5), "prior"),
+        (json!(null), "prior"),
+        (json!(["flat"]), "prior"),
+        (json!({"turn": {"mu": "x"}}), "prior.turn.mu"),
+    ] {
+        assert_eq!(told(prior.clone()), pairs(&[(reason::MALFORMED, field)]), "{prior}");
+    }
+    assert!(bad(json!(5)).details()[0].remedy.contains("the name of a prior, or an object"));
+}
+
+#[test]
+fn every_number_of_a_simulated_environment_is_checked() {
+    let read = |body: Value| training::Spec::read(body.to_string().as_bytes());
+    let body = json!({"slip": {"turn": {"mean": 1.0, "sd": -1}}, "weight": 0, "fitnes": 1, "note": "x".repeat(1001), "link": {
+        "sensor_delay_s": -1, "rtt": {"kind": "lognormal", "median_s": 2, "p99_s": 1},
+        "late": {"probability": 0.5, "after_late": 1.0, "extra_s": 61},
+        "outages": [{"start_s": 5, "duration_s": 2}, {"start_s": 6, "duration_s": 1}],
+        "silences": {"rate_per_s": 10, "shortest_s": 10, "longest_s": 5}}});
+    let mut found = problems(read(body));
+    found.sort();
+    assert_eq!(
+        found,
+        pairs(&[
+            (reason::INCONSISTENT, "link.late.after_late"),
+            (reason::INCONSISTENT, "link.outages[1].start_s"),
+            (reason::INCONSISTENT, "link.rtt.p99_s"),
+            (reason::INCONSISTENT, "link.silences.longest_s"),
+            (reason::OUT_OF_RANGE, "link.late.extra_s"),
+            (reason::OUT_OF_RANGE, "link.sensor_delay_s"),
+            (reason::OUT_OF_RANGE, "slip.turn.mean"),
+            (reason::OUT_OF_RANGE, "slip.turn.sd"),
+            (reason::OUT_OF_RANGE, "weight"),
+            (reason::UNKNOWN_FIELD, "fitnes"),
+            (reason::WRONG_LENGTH, "note"),
+        ])
+    );
+    let silent = json!({"slip": "hard", "link": {"rtt": {"kind": "constant", "rtt_s": 0},
+                        "silences": {"rate_per_s": 10, "shortest_s": 10, "longest_s": 10}}});
+    assert_eq!(
+        problems(read(silent)),
+        pairs(&[(reason::INCONSISTENT, "link.silences.rate_per_s")])
+    );
+    let unknown = read(json!({"slip": "lava", "link": "worse"})).unwrap_err();
+    assert_eq!(unknown.details()[0].reason, reason::UNKNOWN_PRESET);
+    assert!(unknown.details()[1].remedy.contains("wifi-bursty"), "{unknown}");
+    let rows = |rows: Value| {
+        read(json!({"slip": "hard", "link": {"rtt": {"kind": "trace", "rows": rows}}}))
+    };
+    assert_eq!(problems(rows(json!([]))), pairs(&[(reason::WRONG_LENGTH, "link.rtt.rows")]));
+    let row = |t: f64| json!({"t_s": t, "rtt_s": 0.1});
+    let back = problems(rows(json!([row(1.0), row(1.0)])));
+    assert_eq!(back, pairs(&[(reason::INCONSISTENT, "link.rtt.rows[1].t_s")]));
+    let most: Vec<_> = (0..=training::MAX_ROWS).map(|t| row(t as f64)).collect();
+    assert!(rows(json!(most[1..])).is_ok() && rows(json!(most)).is_err());
+    assert_eq!(problems(read(json!({"slip": "hard"}))), pairs(&[(reason::MALFORMED, "")]));
+}
+
+#[test]
+fn a_used_prior_names_some_robots_and_counts_all() {
+    let spec = prior::Spec::default();
+    let prior = prior::Prior::new("a".parse().unwrap(), spec, prior::Source::Put, "1");
+    let robots = |count: usize| (0..count).map(|it| format!("r{it}").parse().unwrap());
+    let used = prior.clone().used_by(robots(250));
+    assert_eq!((used.robots.len(), used.robot_count), (prior::MAX_ROBOTS, 250));
+    let used = prior.used_by(robots(2));
+    assert_eq!((used.robots.len(), used.robot_count), (2, 2));
+}

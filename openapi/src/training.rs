@@ -1,0 +1,206 @@
+//! Simulated environments by name: a floor and a link on which priors are evolved.
+//!
+//! What a robot's real environment is found to be stands in [`crate::environment`].
+
+mod floor;
+mod link;
+
+pub use floor::{Floor, SLIP_MEAN, SLIP_SD, Slip, SlipChannel};
+pub use link::{
+    DELAY, LatePackets, Link, LinkModel, MAX_ROWS, OUTAGE_DURATION, OUTAGE_START, Outage, Rtt,
+    SILENCE_RATE, Silences, TraceRow,
+};
+
+use crate::body;
+use crate::check::{Check, Checked, Range};
+use crate::id::EnvironmentId;
+use crate::named::Known;
+use crate::prior::MAX_NOTE;
+use crate::problem::Problems;
+use serde::{Deserialize, Serialize};
+use umwelt_core::evolution::{self, ENVIRONMENTS, TrainingEnvironment};
+use utoipa::ToSchema;
+
+/// Largest body of an environment in bytes; the longest trace has 60 kB, the most outages 60 kB.
+pub const MAX_BODY: usize = 256 * 1024;
+
+/// Most environments of one page: with the longest traces it is several megabytes.
+pub const MAX_PAGE_SIZE: u64 = 100;
+
+/// How much an environment counts beside the others; a thousandth of another one counts for nothing.
+pub const WEIGHT: Range = Range::new(1e-3, 1e3, "");
+
+/// Which fitness an individual has on an environment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = training::Fitness)]
+pub enum Fitness {
+    /// That of the normal environment (thesis eq. 52).
+    #[default]
+    Normal,
+    /// That of the bad environment (thesis eq. 53).
+    Bad,
+}
+
+impl From<evolution::Fitness> for Fitness {
+    fn from(core: evolution::Fitness) -> Self {
+        match core {
+            evolution::Fitness::Normal => Self::Normal,
+            evolution::Fitness::Bad => Self::Bad,
+        }
+    }
+}
+
+impl From<Fitness> for evolution::Fitness {
+    fn from(wire: Fitness) -> Self {
+        match wire {
+            Fitness::Normal => Self::Normal,
+            Fitness::Bad => Self::Bad,
+        }
+    }
+}
+
+/// A simulated environment as it is put: slip and link by the names of presets or in numbers.
+///
+/// ```
+/// use umwelt_api::training::Spec;
+/// let spec = Spec::read(br#"{"slip": "oily", "link": {"rtt": {"kind": "constant", "rtt_s": 0.02}}}"#)?;
+/// assert_eq!(spec.weight, 1.0);
+///
+/// let problems = Spec::read(br#"{"slip": "lava", "link": "bad", "weight": 0}"#).unwrap_err();
+/// let fields: Vec<_> = problems.details().iter().map(|detail| detail.field.as_str()).collect();
+/// assert_eq!(fields, ["slip", "weight"]);
+/// # Ok::<(), umwelt_api::Problems>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = training::Spec)]
+pub struct Spec {
+    /// The floor.
+    pub slip: Floor,
+    /// The link.
+    pub link: Link,
+    /// Which fitness an individual has on it.
+    #[serde(default)]
+    pub fitness: Fitness,
+    /// How much it counts beside the other environments of an evolution.
+    #[serde(default = "weight")]
+    #[schema(default = weight)]
+    pub weight: f64,
+    /// What people should know about it.
+    #[serde(default)]
+    pub note: Option<String>,
+}
+
+fn weight() -> f64 {
+    1.0
+}
+
+impl Checked for Spec {
+    fn check(&self, check: &mut Check) {
+        self.slip.check("slip", check);
+        self.link.check("link", check);
+        check.number("weight", self.weight, WEIGHT);
+        check.text("note", self.note.as_deref().unwrap_or_default(), 0..=MAX_NOTE);
+    }
+}
+
+impl Spec {
+    /// Reads the body of a PUT.
+    ///
+    /// # Errors
+    /// Every problem of it: unknown fields, unknown presets, values out of range or that contradict each other.
+    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+        body::read_shared(json)
+    }
+
+    /// The environment in core's terms, under this name; the note stays behind.
+    ///
+    /// # Errors
+    /// Every problem of it.
+    pub fn to_core(&self, name: &EnvironmentId) -> Result<TrainingEnvironment, Problems> {
+        Check::all(self)?;
+        Ok(TrainingEnvironment {
+            name: name.to_string(),
+            slip: self.slip.to_core()?,
+            link: self.link.to_core()?,
+            fitness: self.fitness.into(),
+            weight: self.weight,
+        })
+    }
+}
+
+impl From<&TrainingEnvironment> for Spec {
+    /// Without its name and without a note; slip and link by the names of presets where they are some.
+    fn from(core: &TrainingEnvironment) -> Self {
+        Self {
+            slip: core.slip.into(),
+            link: (&core.link).into(),
+            fitness: core.fitness.into(),
+            weight: core.weight,
+            note: None,
+        }
+    }
+}
+
+/// The simulated environments that come with every server, by their names.
+///
+/// # Errors
+/// All the names, where nothing goes by this one.
+pub fn built_in(name: &str) -> Known<TrainingEnvironment> {
+    TrainingEnvironment::preset(name)
+        .ok_or_else(|| ENVIRONMENTS.into_iter().map(str::to_owned).collect())
+}
+
+/// A simulated environment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = training::Environment)]
+pub struct Environment {
+    /// Its name.
+    pub environment: EnvironmentId,
+    /// The floor.
+    pub slip: Floor,
+    /// The link.
+    pub link: Link,
+    /// Which fitness an individual has on it.
+    pub fitness: Fitness,
+    /// How much it counts beside the other environments of an evolution.
+    pub weight: f64,
+    /// What people should know about it; null where nobody said anything.
+    pub note: Option<String>,
+    /// Whether it comes with the server: such a one can be neither replaced nor removed.
+    pub built_in: bool,
+    /// Version of what was put, for `If-Match`.
+    pub etag: String,
+}
+
+impl Environment {
+    /// What the fields of an [`Environment`] are called that a [`Spec`] does not have: they are the server's to say.
+    pub const GIVEN_BY_SERVER: [&str; 3] = ["environment", "built_in", "etag"];
+
+    /// The environment of this name as `spec` has it.
+    pub fn new(
+        environment: EnvironmentId,
+        spec: Spec,
+        built_in: bool,
+        etag: impl Into<String>,
+    ) -> Self {
+        let Spec { slip, link, fitness, weight, note } = spec;
+        Self { environment, slip, link, fitness, weight, note, built_in, etag: etag.into() }
+    }
+
+    /// What one would put to have it again.
+    pub fn to_spec(&self) -> Spec {
+        let Self { slip, link, fitness, weight, note, .. } = self.clone();
+        Spec { slip, link, fitness, weight, note }
+    }
+}
+
+/// Some of the simulated environments, in the order of their names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = training::Page)]
+pub struct Page {
+    /// The environments.
+    pub environments: Vec<Environment>,
+    /// Where the next page begins; null on the last one.
+    pub next_page_token: Option<String>,
+}
