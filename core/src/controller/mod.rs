@@ -5,6 +5,7 @@
 
 mod plan;
 mod record;
+mod saved;
 pub mod settings;
 pub mod task;
 
@@ -19,6 +20,7 @@ use crate::prediction::{Agents, ErrorModel, Motion, Prediction};
 use arrayvec::ArrayVec;
 use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
+pub use saved::Saved;
 use serde::{Deserialize, Serialize};
 use settings::{Attribution, PredictorKind, Settings};
 use task::{Progress, Stage, Task};
