@@ -13,6 +13,9 @@ use serde::{Deserialize, Serialize};
 /// wait where pose and reply take no time at all.
 const HELD: usize = 16;
 
+/// Times that differ by less than this many s may be the same slot boundary.
+const SAME_TIME: f64 = 1e-6;
+
 /// Whether a horizon will be played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acceptance {
@@ -38,15 +41,22 @@ pub struct Playing {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Actuation {
     drive: Drive,
-    /// Ascending in sequence and in start; the first may be playing, the others wait.
-    horizons: ArrayVec<Horizon, HELD>,
+    /// Places for horizons, which are large and stay where they are.
+    places: Vec<Horizon>,
+    /// The places of those held, ascending in sequence and in start; the first may be playing, the others wait.
+    held: ArrayVec<usize, HELD>,
     newest: Option<u64>,
     playing: Option<Playing>,
     output: Twist,
+    /// The wheel speeds of `output`.
+    applied: WheelSpeeds,
     /// Acceleration time in s that is not used up yet, at most one slot.
     credit: f64,
     time: f64,
     settled: bool,
+    /// Until when nothing changes but the time; none where that has to be looked up.
+    #[serde(skip)]
+    unchanged_until: Option<f64>,
 }
 
 impl Actuation {
@@ -54,45 +64,59 @@ impl Actuation {
     pub fn new(drive: Drive, time: f64) -> Self {
         Self {
             drive,
-            horizons: ArrayVec::new(),
+            places: vec![Horizon::EMPTY; HELD],
+            held: ArrayVec::new(),
             newest: None,
             playing: None,
             output: Twist::ZERO,
+            applied: WheelSpeeds::ZERO,
             credit: SLOT,
             time,
             settled: true,
+            unchanged_until: None,
         }
     }
 
     /// Takes in a horizon that arrives now. Late, repeated and reordered ones change nothing.
-    pub fn accept(&mut self, horizon: Horizon) -> Acceptance {
+    pub fn accept(&mut self, horizon: &Horizon) -> Acceptance {
         if self.newest.is_some_and(|newest| horizon.sequence <= newest) || horizon.speeds.is_empty()
         {
             return Acceptance::Stale;
         }
         self.newest = Some(horizon.sequence);
+        self.unchanged_until = None;
         // A waiting horizon that would begin no earlier than this newer one is never played.
-        while self.horizons.last().is_some_and(|last| last.start >= horizon.start) {
-            self.horizons.pop();
+        while self.held.last().is_some_and(|&last| self.places[last].start >= horizon.start) {
+            self.held.pop();
         }
-        if self.horizons.is_full() {
-            self.horizons.remove(self.least_missed());
+        if self.held.is_full() {
+            self.held.remove(self.least_missed());
         }
-        self.horizons.push(horizon);
+        if let Some(place) = (0..HELD).find(|place| !self.held.contains(place)) {
+            self.places[place].clone_from(horizon);
+            self.held.push(place);
+        }
         Acceptance::Newest
+    }
+
+    /// The `index`th horizon held.
+    fn horizon(&self, index: usize) -> Option<&Horizon> {
+        self.held.get(index).map(|&place| &self.places[place])
     }
 
     /// The waiting horizon that is missed least: the one before it plays on for the shortest time in its stead.
     /// Neither the first, which may be playing, nor the last.
     fn least_missed(&self) -> usize {
-        let gap = |i: usize| self.horizons[i + 1].start - self.horizons[i - 1].start;
-        let waiting = 1..self.horizons.len() - 1;
+        let start = |i: usize| self.places[self.held[i]].start;
+        let gap = |i: usize| start(i + 1) - start(i - 1);
+        let waiting = 1..self.held.len() - 1;
         waiting.rev().min_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(1)
     }
 
     /// Forgets all horizons and ramps to rest: the answer to a stop on the robot itself.
     pub fn stop(&mut self) {
-        self.horizons.clear();
+        self.held.clear();
+        self.unchanged_until = None;
         self.playing = None;
     }
 
@@ -108,10 +132,13 @@ impl Actuation {
         let now = now.max(self.time);
         self.credit = (self.credit + now - self.time).min(SLOT);
         self.time = now;
-        while self.horizons.get(1).is_some_and(|next| next.start <= now + 1e-9) {
-            self.horizons.remove(0);
+        if self.unchanged_until.is_some_and(|until| now < until - SAME_TIME) {
+            return self.applied;
         }
-        let demand = match self.horizons.first() {
+        while self.horizon(1).is_some_and(|next| next.start <= now + 1e-9) {
+            self.held.remove(0);
+        }
+        let demand = match self.held.first().map(|&place| &self.places[place]) {
             Some(horizon) if horizon.start <= now + 1e-9 => {
                 if self.playing.is_none_or(|playing| playing.horizon != horizon.sequence) {
                     self.playing = Some(Playing { horizon: horizon.sequence, since: now });
@@ -121,7 +148,9 @@ impl Actuation {
             _ => Twist::ZERO,
         };
         self.output = self.slew(demand);
-        kinematics::inverse(&self.drive, self.output)
+        self.applied = kinematics::inverse(&self.drive, self.output);
+        self.unchanged_until = self.settled.then(|| self.change_after(now));
+        self.applied
     }
 
     /// Moves the output toward `demand` as far as the unused acceleration time allows.
@@ -140,14 +169,18 @@ impl Actuation {
 
     /// The next robot time in s after the last `advance` at which the wheel speeds may change.
     pub fn next_change(&self) -> f64 {
+        self.unchanged_until.unwrap_or_else(|| self.change_after(self.time))
+    }
+
+    fn change_after(&self, now: f64) -> f64 {
         let mut next = f64::INFINITY;
-        if let Some(first) = self.horizons.first() {
-            next = first.next_change(self.time, &self.drive);
+        if let Some(first) = self.horizon(0) {
+            next = first.next_change(now, &self.drive);
         }
-        if let Some(second) = self.horizons.get(1) {
+        if let Some(second) = self.horizon(1) {
             next = next.min(second.start);
         }
-        if self.settled { next } else { next.min(self.time + RAMP_STEP) }
+        if self.settled { next } else { next.min(now + RAMP_STEP) }
     }
 
     /// What is being played, since when; none before the first horizon begins.
@@ -194,7 +227,7 @@ mod tests {
     #[test]
     fn a_horizon_waits_for_its_start() {
         let mut actuation = Actuation::new(Drive::default(), 0.0);
-        actuation.accept(horizon(1, 1.0, &[0.02]));
+        actuation.accept(&horizon(1, 1.0, &[0.02]));
         assert_eq!(linear(&mut actuation, 0.5), 0.0);
         assert_eq!(actuation.playing(), None);
         assert_eq!(actuation.next_change(), 1.0);
@@ -205,18 +238,18 @@ mod tests {
     #[test]
     fn newest_wins_whatever_the_order() {
         let mut actuation = Actuation::new(Drive::default(), 0.0);
-        assert_eq!(actuation.accept(horizon(5, 0.1, &[0.02; 9])), Acceptance::Newest);
-        assert_eq!(actuation.accept(horizon(4, 0.1, &[0.01; 9])), Acceptance::Stale);
-        assert_eq!(actuation.accept(horizon(5, 0.1, &[0.01; 9])), Acceptance::Stale);
+        assert_eq!(actuation.accept(&horizon(5, 0.1, &[0.02; 9])), Acceptance::Newest);
+        assert_eq!(actuation.accept(&horizon(4, 0.1, &[0.01; 9])), Acceptance::Stale);
+        assert_eq!(actuation.accept(&horizon(5, 0.1, &[0.01; 9])), Acceptance::Stale);
         assert!((linear(&mut actuation, 0.2) - 0.02).abs() < 1e-12);
     }
 
     #[test]
     fn the_old_horizon_plays_until_the_new_one_begins() {
         let mut actuation = Actuation::new(Drive::default(), 0.0);
-        actuation.accept(horizon(1, 0.0, &[0.01; 20]));
+        actuation.accept(&horizon(1, 0.0, &[0.01; 20]));
         actuation.advance(0.0);
-        actuation.accept(horizon(2, 0.1, &[0.02; 20]));
+        actuation.accept(&horizon(2, 0.1, &[0.02; 20]));
         assert!((linear(&mut actuation, 0.09) - 0.01).abs() < 1e-12);
         assert!((linear(&mut actuation, 0.10) - 0.02).abs() < 1e-12);
     }
@@ -225,18 +258,18 @@ mod tests {
     fn a_single_slot_that_comes_late_plays_on_arrival_until_it_expires() {
         let mut actuation = Actuation::new(Drive::default(), 0.0);
         actuation.advance(1.2);
-        actuation.accept(horizon(1, 1.0, &[0.02]));
+        actuation.accept(&horizon(1, 1.0, &[0.02]));
         assert!((linear(&mut actuation, 1.2) - 0.02).abs() < 1e-12);
         assert_eq!(linear(&mut actuation, 1.5), 0.0);
         let mut late = Actuation::new(Drive::default(), 0.0);
-        late.accept(horizon(1, 1.0, &[0.02]));
+        late.accept(&horizon(1, 1.0, &[0.02]));
         assert_eq!(linear(&mut late, 1.4), 0.0);
     }
 
     #[test]
     fn a_stop_on_the_robot_needs_no_link() {
         let mut actuation = Actuation::new(Drive::default(), 0.0);
-        actuation.accept(horizon(1, 0.0, &[0.02; 20]));
+        actuation.accept(&horizon(1, 0.0, &[0.02; 20]));
         actuation.advance(0.1);
         actuation.stop();
         actuation.advance(0.11);
@@ -250,13 +283,13 @@ mod tests {
         let step = drive.max_linear_acceleration * SLOT;
         let plan: Vec<f64> = (0..10).map(|i| 0.023 + step * f64::from(i)).collect();
         let mut actuation = Actuation::new(drive, 0.0);
-        actuation.accept(horizon(1, 0.0, &plan));
+        actuation.accept(&horizon(1, 0.0, &plan));
         for (i, &v) in plan.iter().enumerate() {
             let now = i as f64 * SLOT;
             assert!((linear(&mut actuation, now) - v).abs() < 1e-9, "slot {i}");
         }
         let mut jump = Actuation::new(drive, 0.0);
-        jump.accept(horizon(1, 0.0, &[0.13; 60]));
+        jump.accept(&horizon(1, 0.0, &[0.13; 60]));
         let (mut now, mut before) = (0.0, 0.0);
         while before < 0.13 - 1e-9 {
             let v = linear(&mut jump, now);
@@ -277,7 +310,7 @@ mod tests {
             let mut played = 0;
             for slot in 0..200_u64 {
                 let now = slot as f64 * SLOT;
-                actuation.accept(horizon(slot + 1, now + lead, &[0.02; 20]));
+                actuation.accept(&horizon(slot + 1, now + lead, &[0.02; 20]));
                 actuation.advance(now);
                 let playing = actuation.playing().map_or(0, |playing| playing.horizon);
                 assert!(playing >= played, "lead {lead}");
@@ -294,7 +327,7 @@ mod tests {
     fn a_stop_at_any_speed_keeps_the_limit() {
         let drive = Drive::default();
         let mut actuation = Actuation::new(drive, 0.0);
-        actuation.accept(horizon(1, 0.0, &[0.13; 60]));
+        actuation.accept(&horizon(1, 0.0, &[0.13; 60]));
         let mut now = 0.0;
         while actuation.output().linear < 0.13 {
             actuation.advance(now);
@@ -324,7 +357,7 @@ mod tests {
             let mut now = 0.0;
             for (sequence, start, v, slots) in arrivals {
                 now += 0.02;
-                actuation.accept(horizon(sequence, start, &vec![v; slots]));
+                actuation.accept(&horizon(sequence, start, &vec![v; slots]));
                 prop_assert!(linear(&mut actuation, now) <= 0.13 + 1e-12);
             }
             let mut steps = 0;

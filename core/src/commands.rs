@@ -17,6 +17,9 @@ const REPORTS: usize = 100;
 /// No change between two plans takes longer than this many s: full speed forward to full reverse.
 const LONGEST_SPREAD: f64 = 1.0;
 
+/// A horizon that begins within this many s has begun.
+const SOON: f64 = 1e-9;
+
 /// A stretch of time for which the robot reported what it played.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Played {
@@ -26,19 +29,35 @@ struct Played {
 }
 
 /// The horizons sent to one robot and its reports of what it plays, oldest first.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Commands {
     sent: VecDeque<Horizon>,
     played: VecDeque<Played>,
 }
 
+impl Default for Commands {
+    /// None yet, and room for all that are ever remembered: nothing is allocated later.
+    fn default() -> Self {
+        Self { sent: VecDeque::with_capacity(REMEMBERED), played: VecDeque::with_capacity(REPORTS) }
+    }
+}
+
 impl Commands {
-    /// Remembers a horizon that is being sent; starts never go back.
-    pub fn send(&mut self, horizon: &Horizon) {
-        while self.sent.len() >= REMEMBERED {
-            self.sent.pop_front();
+    /// Begins a horizon that is being sent, still without speeds; starts never go back.
+    ///
+    /// It is filled in place, that of the one forgotten for it: a horizon is large, and one is sent in every slot.
+    pub fn begin(&mut self, sequence: u64, start: f64, slot: f64, watchdog: f64) -> &mut Horizon {
+        if self.sent.len() >= REMEMBERED {
+            self.sent.rotate_left(1);
+        } else {
+            self.sent.push_back(Horizon::EMPTY);
         }
-        self.sent.push_back(horizon.clone());
+        let last = self.sent.len() - 1;
+        let horizon = &mut self.sent[last];
+        (horizon.sequence, horizon.answers) = (sequence, sequence);
+        (horizon.start, horizon.slot, horizon.watchdog) = (start, slot, watchdog);
+        horizon.speeds.clear();
+        horizon
     }
 
     /// Takes in the robot's report at time `reported` of what it plays.
@@ -51,7 +70,7 @@ impl Commands {
             }
             _ => {}
         }
-        while self.played.len() >= REPORTS {
+        if self.played.len() >= REPORTS {
             self.played.pop_front();
         }
         self.played.push_back(Played { playing, reported });
@@ -106,15 +125,27 @@ impl Commands {
         self.sent.iter().rev().find(|horizon| horizon.sequence == sequence)
     }
 
+    /// How many horizons have begun at `time`, as sent.
+    fn sent_at(&self, time: f64) -> usize {
+        self.sent.iter().rposition(|horizon| horizon.start <= time + SOON).map_or(0, |at| at + 1)
+    }
+
+    /// The same where `begun` of them had begun at an earlier time.
+    fn sent_from(&self, begun: usize, time: f64) -> usize {
+        let after = self.sent.range(begun..);
+        begun + after.take_while(|horizon| horizon.start <= time + SOON).count()
+    }
+
+    /// The last of the first `begun` horizons, and when the next one takes its place.
+    fn sent_in_force(&self, begun: usize) -> (Option<&Horizon>, f64) {
+        let until = self.sent.get(begun).map_or(f64::INFINITY, |next| next.start);
+        (begun.checked_sub(1).and_then(|at| self.sent.get(at)), until)
+    }
+
     /// The horizon in force at `time`, and when another one takes its place.
     fn in_force(&self, attribution: Attribution, time: f64) -> (Option<&Horizon>, f64) {
-        let soon = time + 1e-9;
-        let sent = || {
-            let next = self.sent.iter().rposition(|horizon| horizon.start <= soon);
-            let until =
-                self.sent.get(next.map_or(0, |at| at + 1)).map_or(f64::INFINITY, |h| h.start);
-            (next.and_then(|at| self.sent.get(at)), until)
-        };
+        let soon = time + SOON;
+        let sent = || self.sent_in_force(self.sent_at(time));
         if attribution == Attribution::Sent {
             return sent();
         }
@@ -153,10 +184,17 @@ impl Commands {
         mut each: impl FnMut(WheelSpeeds, f64),
     ) {
         let mut time = from;
+        let mut sent = self.sent_at(from);
         while time < to - 1e-9 {
-            let (horizon, until) = self.in_force(attribution, time);
+            let (horizon, until) = if attribution == Attribution::Sent {
+                // Nothing is looked up twice: the one in force is this or the one after it.
+                sent = self.sent_from(sent, time);
+                self.sent_in_force(sent)
+            } else {
+                self.in_force(attribution, time)
+            };
             let (speeds, change) = match horizon {
-                Some(horizon) => (horizon.at(time, drive), horizon.next_change(time, drive)),
+                Some(horizon) => horizon.piece(time, drive),
                 None => (WheelSpeeds::ZERO, f64::INFINITY),
             };
             let next = until.min(change).min(to);
@@ -177,21 +215,16 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn horizon(sequence: u64, start: f64, speed: f64, slots: usize) -> Horizon {
-        Horizon {
-            sequence,
-            answers: sequence,
-            start,
-            slot: SLOT,
-            watchdog: 0.3,
-            speeds: (0..slots).map(|_| WheelSpeeds { left: speed, right: speed }).collect(),
-        }
+    /// Sends twenty slots of one speed.
+    fn send(commands: &mut Commands, sequence: u64, start: f64, speed: f64) {
+        let horizon = commands.begin(sequence, start, SLOT, 0.3);
+        horizon.speeds.extend([WheelSpeeds { left: speed, right: speed }; 20]);
     }
 
     fn three() -> Commands {
         let mut commands = Commands::default();
         for (sequence, start, speed) in [(1, 0.0, 1.0), (2, 0.1, 1.2), (3, 0.2, 1.4)] {
-            commands.send(&horizon(sequence, start, speed, 20));
+            send(&mut commands, sequence, start, speed);
         }
         commands
     }
@@ -228,7 +261,7 @@ mod tests {
     #[test]
     fn a_jump_between_plans_is_not_known() {
         let (mut commands, drive) = (three(), Drive::default());
-        commands.send(&horizon(4, 0.3, 4.0, 20));
+        send(&mut commands, 4, 0.3, 4.0);
         commands.report(Playing { horizon: 1, since: 0.0 }, 0.28);
         commands.report(Playing { horizon: 4, since: 0.3 }, 1.0);
         assert!(commands.is_known(&drive, 0.05, 0.25));

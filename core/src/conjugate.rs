@@ -243,20 +243,23 @@ impl NormalInverseChiSquared {
 
     /// The central interval that holds the next sample with probability `level`, 0 < level < 1.
     pub fn predictive_interval(self, level: f64) -> (f64, f64) {
-        self.interval(level, self.predictive_scale_squared())
+        self.intervals(level)[1]
     }
 
     /// The central interval that holds the mean with credibility `level`, 0 < level < 1.
     ///
     /// The mean is Student t with r degrees of freedom, centre mu, scale^2 = s/(r k).
     pub fn mean_interval(self, level: f64) -> (f64, f64) {
-        self.interval(level, self.s / self.r / self.k)
+        self.intervals(level)[0]
     }
 
-    /// The central interval of a Student t with r degrees of freedom about mu.
-    fn interval(self, level: f64, scale_squared: f64) -> (f64, f64) {
-        let half = student_t_half_width(self.r, level) * scale_squared.sqrt();
-        (self.mu - half, self.mu + half)
+    /// Both intervals at once, of the mean and of the next sample: they share the quantile, which is what costs.
+    pub fn intervals(self, level: f64) -> [(f64, f64); 2] {
+        let quantile = student_t_half_width(self.r, level);
+        [self.s / self.r / self.k, self.predictive_scale_squared()].map(|scale_squared| {
+            let half = quantile * scale_squared.sqrt();
+            (self.mu - half, self.mu + half)
+        })
     }
 
     /// Natural log of the density of the samples that lead from this prior to `posterior` by [`update`](Self::update).

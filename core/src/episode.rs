@@ -4,9 +4,9 @@
 //! over HTTP must agree.
 
 use crate::actuation::Actuation;
-use crate::controller::Controller;
 use crate::controller::settings::Settings;
 use crate::controller::task::{Stage, Task};
+use crate::controller::{Controller, Events};
 use crate::exchange::{Exchange, Observation, Request};
 use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
@@ -18,6 +18,9 @@ use std::collections::VecDeque;
 
 /// Default longest simulated time of an episode in s.
 pub const TIME_LIMIT: f64 = 300.0;
+
+/// Room for packets on their way in one direction; more are on their way in long silences only.
+const ON_THEIR_WAY: usize = 32;
 
 /// Everything that an episode is made of, but its seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,7 +99,8 @@ impl Scenario {
         Ok((outcome, rows))
     }
 
-    /// Runs the episode, shows each row of its trace as it comes, and returns the controller as it ended.
+    /// Runs the episode, shows each row of its trace as it comes, and returns the controller as it ended. There is a row
+    /// for every change of wheel speeds and every pose.
     ///
     /// # Errors
     /// Where link or plant mean nothing.
@@ -106,18 +110,21 @@ impl Scenario {
         mut show: impl FnMut(&TraceRow),
     ) -> Result<(Outcome, Controller), EpisodeError> {
         let mut world = World::new(self, seed)?;
-        while world.now < self.time_limit && world.controller.progress().stage != Stage::Arrived {
+        while world.now < self.time_limit && !world.server.controller.has_arrived() {
             world.next();
-            show(&world.row());
+            if world.moved == world.now {
+                show(&world.row());
+            }
         }
-        let progress = world.controller.progress();
+        let Server { controller, max_deviation, .. } = world.server;
+        let progress = controller.progress();
         let outcome = Outcome {
             arrived: progress.stage == Stage::Arrived,
             time: progress.elapsed,
-            max_deviation: world.max_deviation,
-            environment: world.controller.environment(),
+            max_deviation,
+            environment: controller.environment(),
         };
-        Ok((outcome, world.controller))
+        Ok((outcome, controller))
     }
 }
 
@@ -125,22 +132,37 @@ impl Scenario {
 struct World {
     now: f64,
     frames: u64,
+    /// As it was at `moved`: it is moved on where a pose is taken or its command changes.
     plant: Plant,
+    moved: f64,
     link: Link,
     exchange: Exchange,
     actuation: Actuation,
-    controller: Controller,
+    server: Server,
     applied: WheelSpeeds,
     /// Poses on their way from the camera: (arrival, pose).
     seen: VecDeque<(f64, Observation)>,
-    /// Requests and replies on their way, by arrival.
-    upward: VecDeque<(f64, Request)>,
-    downward: VecDeque<(f64, Horizon)>,
+    /// Requests and replies on their way.
+    upward: Packets<Request>,
+    downward: Packets<Horizon>,
+}
+
+/// The server, and what it cannot know: how far from its path the robot really is.
+struct Server {
+    controller: Controller,
     newest_request: u64,
     /// True positions that the controller has not seen yet: which leg they belong to is not known before.
     travelled: VecDeque<(f64, Point)>,
     deviation: f64,
     max_deviation: f64,
+}
+
+/// Packets on their way. They are large: each stays in its place, and places are used again.
+struct Packets<T> {
+    /// (arrival, place), by arrival.
+    arrivals: VecDeque<(f64, usize)>,
+    places: Vec<T>,
+    free: Vec<usize>,
 }
 
 impl World {
@@ -150,19 +172,22 @@ impl World {
         Ok(Self {
             now: 0.0,
             frames: 0,
+            moved: 0.0,
             plant: Plant::new(scenario.plant, scenario.start, seed)?,
             link: Link::new(scenario.link.clone(), seed)?,
             exchange: Exchange::new(0.0),
             actuation: Actuation::new(scenario.settings.drive, 0.0),
-            controller,
+            server: Server {
+                controller,
+                newest_request: 0,
+                travelled: VecDeque::with_capacity(4 * ON_THEIR_WAY),
+                deviation: 0.0,
+                max_deviation: 0.0,
+            },
             applied: WheelSpeeds::ZERO,
-            seen: VecDeque::new(),
-            upward: VecDeque::new(),
-            downward: VecDeque::new(),
-            newest_request: 0,
-            travelled: VecDeque::new(),
-            deviation: 0.0,
-            max_deviation: 0.0,
+            seen: VecDeque::with_capacity(ON_THEIR_WAY),
+            upward: Packets::new(Request::EMPTY),
+            downward: Packets::new(Horizon::EMPTY),
         })
     }
 
@@ -172,54 +197,83 @@ impl World {
         let first = |arrival: Option<f64>| arrival.unwrap_or(f64::INFINITY);
         let next = frame
             .min(first(self.seen.front().map(|(at, _)| *at)))
-            .min(first(self.upward.front().map(|(at, _)| *at)))
-            .min(first(self.downward.front().map(|(at, _)| *at)))
+            .min(self.upward.next_arrival())
+            .min(self.downward.next_arrival())
             .min(self.actuation.next_change())
             .min(self.exchange.next_request(self.now))
             .max(self.now);
-        self.plant.advance(self.applied, next - self.now);
         self.now = next;
         if frame <= next {
             self.frames += 1;
+            self.drive();
             let observation = Observation { pose: self.plant.observe(), taken: frame };
             self.seen.push_back((self.link.sensor(frame), observation));
         }
         while let Some((_, observation)) = due(&mut self.seen, next) {
             self.exchange.observe(observation);
         }
-        while let Some((_, request)) = due(&mut self.upward, next) {
-            self.serve(&request);
+        while let Some(request) = self.upward.due(next) {
+            if let Some(newest) = self.server.serve(request)
+                && let Some(arrival) = self.link.downlink(next)
+            {
+                let horizon = self.downward.place();
+                horizon.clone_from(newest);
+                horizon.answers = request.sequence;
+                self.downward.send(arrival);
+            }
         }
-        while let Some((_, horizon)) = due(&mut self.downward, next) {
+        while let Some(horizon) = self.downward.due(next) {
             self.exchange.reply(next, horizon.answers);
             self.actuation.accept(horizon);
         }
-        self.applied = self.actuation.advance(next);
-        if let Some(request) = self.exchange.request(next, self.actuation.playing())
+        let applied = self.actuation.advance(next);
+        if applied != self.applied {
+            self.drive();
+            self.applied = applied;
+        }
+        let playing = self.actuation.playing();
+        if self.exchange.write_request(next, playing, self.upward.place())
             && let Some(arrival) = self.link.uplink(next)
         {
-            queue(&mut self.upward, arrival, request);
+            self.upward.send(arrival);
         }
-        self.travelled.push_back((next, self.plant.pose().point()));
     }
 
-    /// The server's part: a step, or a late one that only teaches.
-    fn serve(&mut self, request: &Request) {
-        let horizon = if request.sequence > self.newest_request {
+    /// Moves the robot on to this moment. From one call to the next it holds its speeds: its distance from a straight
+    /// leg is greatest at one end.
+    fn drive(&mut self) {
+        if self.moved < self.now {
+            self.plant.advance(self.applied, self.now - self.moved);
+            self.moved = self.now;
+            self.server.travelled.push_back((self.now, self.plant.pose().point()));
+        }
+    }
+
+    fn row(&self) -> TraceRow {
+        let progress = self.server.controller.progress();
+        TraceRow {
+            time: self.now,
+            pose: self.plant.pose(),
+            applied: self.applied,
+            stage: progress.stage,
+            leg: progress.leg,
+            deviation: self.server.deviation,
+        }
+    }
+}
+
+impl Server {
+    /// A step, or a late one that only teaches; either way the newest horizon is the answer.
+    fn serve(&mut self, request: &Request) -> Option<&Horizon> {
+        if request.sequence > self.newest_request {
             self.newest_request = request.sequence;
             let leg = self.controller.leg();
-            let horizon = self.controller.step(request).horizon;
+            self.controller.answer(request, &mut Events::new());
             self.measure(leg);
-            Some(horizon)
         } else {
-            let newest = self.controller.late(request);
-            newest.map(|newest| Horizon { answers: request.sequence, ..newest })
-        };
-        if let Some(horizon) = horizon
-            && let Some(arrival) = self.link.downlink(self.now)
-        {
-            queue(&mut self.downward, arrival, horizon);
+            self.controller.late(request);
         }
+        self.controller.newest()
     }
 
     /// Measures the deviation of the positions that the controller has now seen, from the leg that they belong to.
@@ -237,29 +291,51 @@ impl World {
             }
         }
     }
+}
 
-    fn row(&self) -> TraceRow {
-        let progress = self.controller.progress();
-        TraceRow {
-            time: self.now,
-            pose: self.plant.pose(),
-            applied: self.applied,
-            stage: progress.stage,
-            leg: progress.leg,
-            deviation: self.deviation,
+impl<T: Clone> Packets<T> {
+    /// None yet; `empty` is what a place holds before it is first written.
+    fn new(empty: T) -> Self {
+        Self {
+            arrivals: VecDeque::with_capacity(ON_THEIR_WAY),
+            places: vec![empty; ON_THEIR_WAY],
+            free: (0..ON_THEIR_WAY).rev().collect(),
         }
+    }
+
+    fn next_arrival(&self) -> f64 {
+        self.arrivals.front().map_or(f64::INFINITY, |(at, _)| *at)
+    }
+
+    /// Where to write the packet that is sent next.
+    fn place(&mut self) -> &mut T {
+        let place = *self.free.last().expect("there always is one");
+        &mut self.places[place]
+    }
+
+    /// Sends what was written, to arrive at `arrival`, behind all that arrives no later.
+    fn send(&mut self, arrival: f64) {
+        let Some(place) = self.free.pop() else { return };
+        if self.free.is_empty() {
+            self.free.push(self.places.len());
+            self.places.push(self.places[place].clone());
+        }
+        let behind =
+            self.arrivals.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
+        self.arrivals.insert(behind, (arrival, place));
+    }
+
+    /// Takes out the first of what has arrived by `now`.
+    fn due(&mut self, now: f64) -> Option<&T> {
+        let (_, place) = due(&mut self.arrivals, now)?;
+        self.free.push(place);
+        Some(&self.places[place])
     }
 }
 
 /// Takes out the first of what has arrived by `now`.
 fn due<T>(queue: &mut VecDeque<(f64, T)>, now: f64) -> Option<(f64, T)> {
     queue.front().is_some_and(|(arrival, _)| *arrival <= now).then(|| queue.pop_front()).flatten()
-}
-
-/// Puts in what will arrive, behind all that arrives no later.
-fn queue<T>(queue: &mut VecDeque<(f64, T)>, arrival: f64, what: T) {
-    let place = queue.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
-    queue.insert(place, (arrival, what));
 }
 
 #[cfg(test)]

@@ -78,6 +78,18 @@ pub struct Request {
     pub playing: Option<Playing>,
 }
 
+impl Request {
+    /// A request that says nothing: a place for others.
+    pub const EMPTY: Self = Self {
+        sequence: 0,
+        connection: 0,
+        sent: 0.0,
+        observations: ArrayVec::new_const(),
+        deliveries: ArrayVec::new_const(),
+        playing: None,
+    };
+}
+
 #[derive(Clone, Copy, Debug)]
 struct InFlight {
     sequence: u64,
@@ -155,8 +167,19 @@ impl Exchange {
 
     /// The request to send now, if one is due.
     pub fn request(&mut self, now: f64, playing: Option<Playing>) -> Option<Request> {
+        let mut request = Request::EMPTY;
+        self.write_request(now, playing, &mut request).then_some(request)
+    }
+
+    /// [`Exchange::request`] into a place that is there already; whether one is due.
+    pub fn write_request(
+        &mut self,
+        now: f64,
+        playing: Option<Playing>,
+        request: &mut Request,
+    ) -> bool {
         if self.next_request(now) > now + 1e-9 {
-            return None;
+            return false;
         }
         let stalled =
             now - self.oldest(self.connection) >= STALL && now - self.connected >= self.backoff;
@@ -172,14 +195,13 @@ impl Exchange {
         self.due = self.due.max(now) + SLOT;
         let taken = self.observations.last().map(|observation| observation.taken);
         self.in_flight.push(InFlight { sequence, connection: self.connection, sent: now, taken });
-        Some(Request {
-            sequence,
-            connection: self.connection,
-            sent: now,
-            observations: std::mem::take(&mut self.observations),
-            deliveries: std::mem::take(&mut self.deliveries),
-            playing,
-        })
+        (request.sequence, request.connection) = (sequence, self.connection);
+        (request.sent, request.playing) = (now, playing);
+        request.observations.clone_from(&self.observations);
+        request.deliveries.clone_from(&self.deliveries);
+        self.observations.clear();
+        self.deliveries.clear();
+        true
     }
 
     /// The reply to request `sequence` arrives. Returns its loop delay in s where the request carried a new

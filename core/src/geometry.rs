@@ -11,6 +11,9 @@
 //! let _ = Pose::default() + Twist::default();
 //! ```
 
+pub(crate) mod elementary;
+
+use elementary::sin_cos;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -32,7 +35,12 @@ impl Angle {
         if radians > -PI && radians <= PI {
             return Self(radians);
         }
-        let wrapped = radians.rem_euclid(TAU);
+        // Nearly always within a turn, where no remainder is needed.
+        let wrapped = if radians > -TAU && radians < TAU {
+            if radians < 0.0 { radians + TAU } else { radians }
+        } else {
+            radians.rem_euclid(TAU)
+        };
         Self(if wrapped > PI { wrapped - TAU } else { wrapped })
     }
 
@@ -68,6 +76,11 @@ impl std::ops::Add<f64> for Angle {
     }
 }
 
+/// The length of (x, y), both of ordinary size: no detour around overflow.
+pub(crate) fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// A place in the world frame, in m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
@@ -85,7 +98,7 @@ impl Point {
 
     /// The distance to `other` in m.
     pub fn distance(self, other: Self) -> f64 {
-        (self.x - other.x).hypot(self.y - other.y)
+        length(self.x - other.x, self.y - other.y)
     }
 
     /// The distance in m from this point to the segment `from`..`to` (its nearest end where it lies beyond one).
@@ -140,7 +153,7 @@ impl Pose {
     /// assert!((back.forward - d.forward).abs() < 1e-12 && (back.lateral - d.lateral).abs() < 1e-12);
     /// ```
     pub fn then(self, displacement: Displacement) -> Self {
-        let (sin, cos) = self.heading.radians().sin_cos();
+        let (sin, cos) = sin_cos(self.heading.radians());
         Self {
             x: self.x + cos * displacement.forward - sin * displacement.lateral,
             y: self.y + sin * displacement.forward + cos * displacement.lateral,
@@ -160,7 +173,7 @@ impl Pose {
 
     /// `(forward, lateral)` offset in m of `target` in this pose's body frame: e_x and e_y of thesis eq. 14.
     pub fn toward(self, target: Point) -> (f64, f64) {
-        let (sin, cos) = self.heading.radians().sin_cos();
+        let (sin, cos) = sin_cos(self.heading.radians());
         let (dx, dy) = (target.x - self.x, target.y - self.y);
         (cos * dx + sin * dy, cos * dy - sin * dx)
     }
@@ -180,7 +193,7 @@ pub struct Displacement {
 impl Displacement {
     /// This motion followed by `next`, which starts where this one ends.
     pub fn then(self, next: Self) -> Self {
-        let (sin, cos) = self.turn.sin_cos();
+        let (sin, cos) = sin_cos(self.turn);
         Self {
             forward: self.forward + cos * next.forward - sin * next.lateral,
             lateral: self.lateral + sin * next.forward + cos * next.lateral,

@@ -1,6 +1,6 @@
 //! The horizon: the timed wheel speeds of one reply, in the robot's own clock.
 
-use crate::geometry::{Twist, WheelSpeeds};
+use crate::geometry::WheelSpeeds;
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ const BOUNDARY: f64 = 1e-6;
 ///
 /// Past its end the robot holds the last entry for `watchdog` s (0 holds for ever), then ramps to rest:
 /// the same function of time on the robot, in simulation and in the server's account of what was driven.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Horizon {
     /// Number of this horizon, strictly increasing within an epoch: newest wins.
     pub sequence: u64,
@@ -40,7 +40,31 @@ pub struct Horizon {
     pub speeds: ArrayVec<WheelSpeeds, MAX_SLOTS>,
 }
 
+impl Clone for Horizon {
+    fn clone(&self) -> Self {
+        Self { speeds: self.speeds.clone(), ..*self }
+    }
+
+    /// Copies the entries that there are, not the room for the most that there can be.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { sequence, answers, start, slot, watchdog, speeds } = self;
+        (*sequence, *answers) = (source.sequence, source.answers);
+        (*start, *slot, *watchdog) = (source.start, source.slot, source.watchdog);
+        speeds.clone_from(&source.speeds);
+    }
+}
+
 impl Horizon {
+    /// A horizon without speeds: a place for others.
+    pub const EMPTY: Self = Self {
+        sequence: 0,
+        answers: 0,
+        start: 0.0,
+        slot: SLOT,
+        watchdog: WATCHDOG,
+        speeds: ArrayVec::new_const(),
+    };
+
     /// Robot time in s at which the last entry ends.
     pub fn end(&self) -> f64 {
         self.start + self.slot * self.speeds.len() as f64
@@ -65,49 +89,48 @@ impl Horizon {
     /// assert_eq!(horizon.at(6.5, &drive), WheelSpeeds::ZERO); // stopped by itself
     /// ```
     pub fn at(&self, time: f64, drive: &Drive) -> WheelSpeeds {
-        let Some(&last) = self.speeds.last() else { return WheelSpeeds::ZERO };
-        let slots = (time - self.start) / self.slot + BOUNDARY;
-        if slots < 0.0 {
-            return WheelSpeeds::ZERO;
-        }
-        if let Some(&entry) = self.speeds.get(slots as usize) {
-            return entry;
-        }
-        let past = time - self.valid_until() + BOUNDARY * self.slot;
-        if past < 0.0 {
-            return last;
-        }
-        let ramp = drive.stopping_time(kinematics::forward(drive, last));
-        let gone = ((past / RAMP_STEP).floor() + 1.0) * RAMP_STEP;
-        if gone >= ramp { WheelSpeeds::ZERO } else { last.scaled(1.0 - gone / ramp) }
+        self.piece(time, drive).0
     }
 
     /// The next robot time in s after `time` at which [`Horizon::at`] changes; infinite at rest or held for ever.
     pub fn next_change(&self, time: f64, drive: &Drive) -> f64 {
-        if time < self.start - BOUNDARY * self.slot {
-            return self.start;
+        self.piece(time, drive).1
+    }
+
+    /// [`Horizon::at`] and [`Horizon::next_change`] at once.
+    #[inline]
+    pub fn piece(&self, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
+        let slots = (time - self.start) / self.slot + BOUNDARY;
+        if slots < 0.0 {
+            return (WheelSpeeds::ZERO, self.start);
         }
-        let slots = ((time - self.start) / self.slot + BOUNDARY).floor() + 1.0;
-        if slots < self.speeds.len() as f64 {
-            return self.start + slots * self.slot;
+        // The last entry goes on past its slot.
+        let next = (slots as usize).saturating_add(1);
+        if next < self.speeds.len() {
+            return (self.speeds[next - 1], self.start + next as f64 * self.slot);
         }
+        self.last_piece(time, drive)
+    }
+
+    /// The last entry and the ramp.
+    fn last_piece(&self, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
         let (valid_until, last) = (self.valid_until(), self.speeds.last().copied());
-        if time < valid_until - BOUNDARY * self.slot {
-            return valid_until;
+        let last = last.unwrap_or(WheelSpeeds::ZERO);
+        let past = time - valid_until + BOUNDARY * self.slot;
+        if past < 0.0 {
+            return (last, valid_until);
         }
-        let twist = last.map_or(Twist::ZERO, |last| kinematics::forward(drive, last));
-        let steps = ((time - valid_until + BOUNDARY * self.slot) / RAMP_STEP).floor() + 1.0;
-        if steps * RAMP_STEP >= drive.stopping_time(twist) + RAMP_STEP {
-            f64::INFINITY
-        } else {
-            valid_until + steps * RAMP_STEP
-        }
+        let ramp = drive.stopping_time(kinematics::forward(drive, last));
+        let gone = ((past / RAMP_STEP).floor() + 1.0) * RAMP_STEP;
+        let speeds = if gone >= ramp { WheelSpeeds::ZERO } else { last.scaled(1.0 - gone / ramp) };
+        (speeds, if gone >= ramp + RAMP_STEP { f64::INFINITY } else { valid_until + gone })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Twist;
     use proptest::prelude::*;
 
     fn horizon(slots: usize, watchdog: f64) -> Horizon {

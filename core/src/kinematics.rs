@@ -1,5 +1,6 @@
 //! Two-wheel drive: radius, track, limits, actuator lag; forward, inverse and exact-arc integration.
 
+use crate::geometry::elementary::{exp, sinc_cos};
 use crate::geometry::{Displacement, Twist, WheelSpeeds};
 use serde::{Deserialize, Serialize};
 
@@ -180,13 +181,12 @@ pub fn integrate(twist: Twist, duration: f64) -> Displacement {
 
 /// The motion along an arc of `length` m that turns by `turn` rad.
 ///
-/// The chord is `length` sinc(turn/2), at half the turn; the series of sinc serves where the turn is small.
+/// The chord is `length` sinc(turn/2), at half the turn.
 pub fn arc(length: f64, turn: f64) -> Displacement {
     let half = turn / 2.0;
-    let (sin, cos) = half.sin_cos();
-    let sinc = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { sin / half };
+    let (sinc, cos) = sinc_cos(half);
     let chord = length * sinc;
-    Displacement { forward: chord * cos, lateral: chord * sin, turn }
+    Displacement { forward: chord * cos, lateral: chord * (half * sinc), turn }
 }
 
 /// How the wheels get from `current` toward `command` in `duration` s with first-order lag:
@@ -206,7 +206,7 @@ pub fn follow(
         return (current, current);
     }
     let share = duration / lag;
-    let decay = (-share).exp();
+    let decay = exp(-share);
     let mean = (1.0 - decay) / share;
     let (left, right) = (current.left - command.left, current.right - command.right);
     (

@@ -5,7 +5,8 @@
 //! seed meet the same floor in the same cell whatever they are told to do.
 
 use crate::exchange::PoseNoise;
-use crate::geometry::{Displacement, Pose, WheelSpeeds};
+use crate::geometry::elementary::{sin_cos, sinc_cos};
+use crate::geometry::{Pose, Twist, WheelSpeeds};
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
 use rand::SeedableRng;
@@ -269,30 +270,32 @@ impl Plant {
         let drive = &self.model.drive;
         let (end, twist) = kinematics::travel(drive, self.speeds, self.in_force, duration);
         self.speeds = end;
-        let (length, turn) = (twist.linear * duration, twist.angular * duration);
-        self.pose = self.pose.then(slipped(&self.model.slip, length, turn, self.cell));
+        if twist != Twist::ZERO {
+            let (length, turn) = (twist.linear * duration, twist.angular * duration);
+            self.pose = slipped(self.pose, &self.model.slip, length, turn, self.cell);
+        }
         self.time += duration;
         self.cell_left -= duration;
     }
 }
 
-/// The motion of a commanded arc of `length` m and `turn` rad within a cell, on a floor with `slip`.
+/// The pose after a commanded arc of `length` m and `turn` rad from `pose` within a cell, on a floor with `slip`.
 ///
 /// A ratio error is mean + sd sqrt(window/cell) z, so that over a cell of h = 5 ms the forward error is
-/// l mean + N(0, sd^2 0.1 s l^2/h). Forward and sideways speed and turning rate are constant: the exact arc of both.
-fn slipped(slip: &Slip, length: f64, turn: f64, z: [f64; 4]) -> Displacement {
+/// l mean + N(0, sd^2 0.1 s l^2/h). Forward and sideways speed and turning rate are constant: the exact arc of both,
+/// whose chord points at half the turn.
+fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: [f64; 4]) -> Pose {
     let scale = (SLIP_WINDOW / CELL).sqrt();
     let ratio = |channel: SlipChannel, z: f64| channel.mean() + channel.sd() * scale * z;
     let forward = length * (1.0 + ratio(slip.forward, z[0]));
     let lateral = length * ratio(slip.lateral, z[1]);
     let turn = turn * (1.0 + ratio(slip.turn, z[2])) + length * ratio(slip.drift, z[3]);
-    let ahead = kinematics::arc(forward, turn);
-    // sideways motion is forward motion of a body turned a quarter to the left
-    let aside = kinematics::arc(lateral, turn);
-    Displacement {
-        forward: ahead.forward - aside.lateral,
-        lateral: ahead.lateral + aside.forward,
-        turn,
+    let (sinc, _) = sinc_cos(turn / 2.0);
+    let (sin, cos) = sin_cos(pose.heading.radians() + turn / 2.0);
+    Pose {
+        x: pose.x + sinc * (cos * forward - sin * lateral),
+        y: pose.y + sinc * (sin * forward + cos * lateral),
+        heading: pose.heading + turn,
     }
 }
 

@@ -233,7 +233,7 @@ impl Robot {
         if let Some(loop_delay) = self.exchange.reply(now, sequence) {
             self.state.loop_delay = Some(loop_delay);
         }
-        self.actuation.accept(horizon);
+        self.actuation.accept(&horizon);
         if self.state.stopped != reply.stopped {
             info!(
                 "{}",

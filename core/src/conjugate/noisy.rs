@@ -1,6 +1,7 @@
 //! A sample with known measurement noise: quadrature over ln sigma^2, then projection onto the conjugate family.
 
 use super::NormalInverseChiSquared;
+use crate::geometry::elementary::{exp, ln};
 
 /// Below this share of the prior scale s/r noise in units of sigma^2 changes nothing that a sample can tell.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
@@ -35,83 +36,91 @@ struct Integrand {
     peak: f64,
 }
 
+/// The nodes of the quadrature, one array per quantity: their loops run over two lanes at a time, and what they wait
+/// for is divisions.
+struct Nodes {
+    /// e^-t = 1/sigma^2 in units of r/s.
+    precision: [f64; NODES],
+    /// The largest is 1.
+    weight: [f64; NODES],
+}
+
 impl Integrand {
-    /// Log of prior density times likelihood at `t`, less a constant.
-    ///
-    /// Prior of t: -(r/2)(t + e^-t - 1). Likelihood: N(x; mu, V), V = A e^t + R.
-    fn ln_density(self, t: f64) -> f64 {
-        let variance = t.exp() + self.noise;
-        -self.r / 2.0 * above_tangent(t) - 0.5 * variance.ln() - 0.5 * self.deviation / variance
+    /// Log of the likelihood N(x; mu, V) at `t`, V = A e^t + R, less a constant.
+    fn ln_likelihood(self, t: f64) -> f64 {
+        let variance = exp(t) + self.noise;
+        -0.5 * ln(variance) - 0.5 * self.deviation / variance
     }
 
-    /// t and dt/du at `u`: t = peak + u + e^u - 1, even steps below the peak, exponential ones in the long right tail.
-    fn stretch(self, u: f64) -> (f64, f64) {
-        (self.peak + u + u.exp_m1(), 1.0 + u.exp())
-    }
-
-    /// The u of `t`, by Newton's method: the stretch is convex and increasing.
-    fn unstretch(self, t: f64) -> f64 {
-        let far = t - self.peak;
-        let mut u = if far > 0.0 { far.ln_1p().min(far / 2.0) } else { far.max(far / 2.0 - 0.5) };
-        for _ in 0..4 {
-            let (at, slope) = self.stretch(u);
-            u -= (at - t) / slope;
-        }
-        u
-    }
-
-    /// A range of u outside which nothing that matters lies.
+    /// A range of u outside which nothing that matters lies; t = peak + u + e^u - 1, even steps below the peak,
+    /// exponential ones in the long right tail.
     ///
     /// Left: w = e^-t has at most the tail of Gamma(a, r/2), a = (r+5)/2 for the second moment after one sample, and
     /// P(2w/r > a + sqrt(2 a c) + c) < e^-c (Laurent & Massart 2000, lemma 1). Right: the same kind of bound on
     /// t + e^-t - 1 = y, t < y + sqrt(2y), once the likelihood can make good no more than what the prior takes.
     fn range(self) -> (f64, f64) {
         let shape = (self.r + 5.0) / 2.0;
-        let left = -(2.0 / self.r * (shape + (2.0 * shape * DROP).sqrt() + DROP)).ln();
-        let ln_likelihood = |t: f64| self.ln_density(t) + self.r / 2.0 * above_tangent(t);
-        let gain = (ln_likelihood(self.peak) - ln_likelihood(0.0)).max(0.0);
-        let cost = self.r / 2.0 * above_tangent(self.peak);
+        let left = -ln(2.0 / self.r * (shape + (2.0 * shape * DROP).sqrt() + DROP));
+        let gain = (self.ln_likelihood(self.peak) - self.ln_likelihood(0.0)).max(0.0);
+        let cost = self.r / 2.0 * above_tangent(self.peak, exp(-self.peak));
         let depth = 2.0 / self.r * (DROP + gain.min(cost));
-        (self.unstretch(left), self.unstretch(depth + (2.0 * depth).sqrt()))
+        let right = depth + (2.0 * depth).sqrt();
+        // Bounds of the u of t, from 1 + u < e^u and from u < t < u/2 (in that order below the peak).
+        let (left, right) = (left - self.peak, right - self.peak);
+        let low = left + 1.0 - exp(left / 2.0);
+        let high =
+            if right < 0.0 { right + 1.0 - exp(right) } else { (right / 2.0).min(ln(1.0 + right)) };
+        (low, high)
     }
 
-    /// Nodes over the bulk of the posterior: (t, weight), the largest weight 1.
-    fn nodes(self) -> [(f64, f64); NODES] {
+    /// Nodes over the bulk of the posterior.
+    ///
+    /// Prior of t: -(r/2)(t + e^-t - 1).
+    fn nodes(self) -> Nodes {
         let (mut low, mut high) = self.range();
-        let mut nodes = [(0.0, 0.0); NODES];
+        let (mut precision, mut ln_weight, mut ln_squared) =
+            ([0.0; NODES], [0.0; NODES], [0.0; NODES]);
         let mut most = 0.0;
         for _ in 0..PASSES {
             let step = (high - low) / (NODES - 1) as f64;
-            let mut most_squared = f64::NEG_INFINITY;
-            most = f64::NEG_INFINITY;
-            for (index, node) in nodes.iter_mut().enumerate() {
-                let (t, slope) = self.stretch(low + step * index as f64);
-                let ln_weight = self.ln_density(t) + slope.ln();
-                *node = (t, ln_weight);
-                most = most.max(ln_weight);
-                most_squared = most_squared.max(ln_weight - 2.0 * t);
+            let (mut growth, grows) = ([exp(low); NODES], exp(step));
+            for index in 1..NODES {
+                growth[index] = growth[index - 1] * grows;
             }
+            for index in 0..NODES {
+                let u = low + step * index as f64;
+                let t = self.peak + u + (growth[index] - 1.0);
+                let e_t = exp(t);
+                let (inverse, slope) = (1.0 / (e_t + self.noise), 1.0 + growth[index]);
+                precision[index] = 1.0 / e_t;
+                ln_weight[index] = 0.5 * (ln(slope * slope * inverse) - self.deviation * inverse)
+                    - self.r / 2.0 * above_tangent(t, precision[index]);
+                ln_squared[index] = ln_weight[index] - 2.0 * t;
+            }
+            let larger = |one: f64, other: f64| if other > one { other } else { one };
+            let largest = |of: &[f64; NODES]| of.iter().copied().fold(f64::NEG_INFINITY, larger);
+            most = largest(&ln_weight);
+            let most_squared = largest(&ln_squared);
             // Kept is what counts for the integral of 1 or of w^2, and one node more on either side.
-            let counts = |&(t, ln_weight): &(f64, f64)| {
-                ln_weight > most - DROP || ln_weight - 2.0 * t > most_squared - DROP
+            let counts = |index: &usize| {
+                ln_weight[*index] > most - DROP || ln_squared[*index] > most_squared - DROP
             };
-            let first = nodes.iter().position(counts).unwrap_or(0).saturating_sub(1);
-            let last = nodes.iter().rposition(counts).map_or(NODES, |at| at + 2).min(NODES) - 1;
+            let first = (0..NODES).find(counts).unwrap_or(0).saturating_sub(1);
+            let last = (0..NODES).rfind(counts).map_or(NODES, |at| at + 2).min(NODES) - 1;
             if last - first >= NODES / 2 {
                 break;
             }
             (low, high) = (low + step * first as f64, low + step * last as f64);
         }
-        nodes.map(|(t, ln_weight)| (t, (ln_weight - most).exp()))
+        Nodes { precision, weight: ln_weight.map(|ln_weight| exp(ln_weight - most)) }
     }
 }
 
 /// t + e^-t - 1: how far e^-t lies above its tangent at 0, by its series where the difference would cancel.
-fn above_tangent(t: f64) -> f64 {
-    if t.abs() < 1e-3 {
-        return t * t / 2.0 * (1.0 - t / 3.0 * (1.0 - t / 4.0));
-    }
-    t + (-t).exp_m1()
+#[inline]
+fn above_tangent(t: f64, e_minus_t: f64) -> f64 {
+    let series = t * t / 2.0 * (1.0 - t / 3.0 * (1.0 - t / 4.0));
+    if t.abs() < 1e-3 { series } else { t + (e_minus_t - 1.0) }
 }
 
 /// The belief after `x` ~ N(mean, sigma^2/m + noise): see [`NormalInverseChiSquared::update_noisy`].
@@ -133,24 +142,27 @@ pub(super) fn update(
     let NormalInverseChiSquared { mu, k, r, s } = prior;
     let unit = s / r * (1.0 / m + 1.0 / k);
     let (deviation, noise) = ((x - mu) * (x - mu) / unit, noise_variance / unit);
-    let peak = (deviation - noise).max(1.0).ln();
+    let peak = ln((deviation - noise).max(1.0));
     let nodes = Integrand { r, noise, deviation, peak }.nodes();
     let noise_per_scale = m * noise_variance * (r / s);
     let (mut total, mut total_w, mut gained, mut shift) = (0.0, 0.0, 0.0, 0.0);
-    for &(t, weight) in nodes.iter().filter(|node| node.1 > 0.0) {
-        let variance = t.exp();
-        let gain = m / (1.0 + noise_per_scale / variance);
+    for (&precision, &weight) in nodes.precision.iter().zip(&nodes.weight) {
+        // m f = m/excess and m f/(k + m f), with one division for both.
+        let excess = 1.0 + noise_per_scale * precision;
+        let both = k * excess + m;
+        let part = weight * m / (excess * both);
         total += weight;
-        total_w += weight / variance;
-        gained += weight * gain / variance;
-        shift += weight * gain / (k + gain);
+        total_w += weight * precision;
+        gained += part * both * precision;
+        shift += part * excess;
     }
     let w = total_w / total;
     // About the mean, not E[w^2] - E[w]^2: at a million degrees of freedom that difference has no digits left.
     let spread: f64 = nodes
+        .precision
         .iter()
-        .filter(|node| node.1 > 0.0)
-        .map(|&(t, weight)| weight * ((-t).exp() / w - 1.0).powi(2))
+        .zip(&nodes.weight)
+        .map(|(precision, weight)| weight * (precision / w - 1.0).powi(2))
         .sum();
     let r_next = (2.0 * total / spread).clamp(r.min(FLOOR), r + 1.0);
     NormalInverseChiSquared {

@@ -35,12 +35,17 @@ pub(super) fn ln_gamma(x: f64) -> f64 {
 
 /// ln Gamma(x + 1/2) - ln Gamma(x), without the cancellation of two large numbers.
 ///
-/// Asymptotic beyond x = 200: ln(x)/2 - 1/(8x) + 1/(192 x^3), the next term is below 1e-14 (DLMF 5.11.13).
+/// Asymptotic from x = 12 on (DLMF 5.11.13), where the next term is below 1e-14; smaller x are brought there by
+/// Gamma(x + 1/2)/Gamma(x) = x/(x + 1/2) Gamma(x + 3/2)/Gamma(x + 1).
 pub(super) fn ln_gamma_half_step(x: f64) -> f64 {
-    if x < 200.0 {
-        return ln_gamma(x + 0.5) - ln_gamma(x);
+    let (mut far, mut ratio) = (x, 1.0);
+    while far < 12.0 {
+        ratio *= far / (far + 0.5);
+        far += 1.0;
     }
-    0.5 * x.ln() - 1.0 / (8.0 * x) + 1.0 / (192.0 * x * x * x)
+    let v = 1.0 / (far * far);
+    let series = 1.0 / 192.0 + v * (-1.0 / 640.0 + v * (17.0 / 14_336.0 - v * (31.0 / 18_432.0)));
+    0.5 * (far * ratio * ratio).ln() + (series * v - 0.125) / far
 }
 
 /// ln B(a, b) = ln Gamma(a) + ln Gamma(b) - ln Gamma(a + b).

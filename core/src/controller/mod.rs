@@ -11,7 +11,7 @@ pub mod task;
 
 use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
-use crate::geometry::{Displacement, Point, WheelSpeeds};
+use crate::geometry::{Displacement, Point, WheelSpeeds, length};
 use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Environment;
 use crate::identification::{Belief, Verdict, Window};
@@ -26,7 +26,7 @@ use settings::{Attribution, PredictorKind, Settings};
 use task::{Progress, Stage, Task};
 
 /// Version of the stored state; a state of another version is not taken up.
-pub const STATE_VERSION: u32 = 1;
+pub const STATE_VERSION: u32 = 2;
 
 /// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
 pub const BELIEVED_AGAIN: u32 = 5;
@@ -78,8 +78,11 @@ pub struct Output {
     /// What the robot is to play.
     pub horizon: Horizon,
     /// What happened.
-    pub events: ArrayVec<Event, 8>,
+    pub events: Events,
 }
+
+/// What happens in one step.
+pub type Events = ArrayVec<Event, 8>;
 
 /// What is known of the robot's motion up to its last accepted pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,8 +113,8 @@ pub struct Controller {
     doubt: Option<Doubt>,
     task: Option<Task>,
     phase: Phase,
-    /// The phases of the plan in force, which is the newest horizon sent.
-    phases: Option<Phases>,
+    /// The phases of the plan in force, which is the newest horizon sent; empty where it holds no longer.
+    phases: Phases,
     record: Record,
     stopped: bool,
 }
@@ -128,7 +131,7 @@ impl Controller {
             doubt: None,
             task: None,
             phase: Phase::Idle,
-            phases: None,
+            phases: Phases::new(),
             record: Record::default(),
             stopped: false,
         }
@@ -142,13 +145,17 @@ impl Controller {
     /// Answers one request: learns from its reports and poses, and plans the next horizon.
     pub fn step(&mut self, request: &Request) -> Output {
         let mut events = ArrayVec::new();
+        let horizon = self.answer(request, &mut events).clone();
+        Output { horizon, events }
+    }
+
+    /// [`Controller::step`] without copies of what is large: the horizon stays where it is remembered.
+    pub fn answer(&mut self, request: &Request, events: &mut Events) -> &Horizon {
         self.learn(request);
         for observation in &request.observations {
-            self.observe(*observation, &mut events);
+            self.observe(*observation, events);
         }
-        let horizon = self.command(request);
-        self.commands.send(&horizon);
-        Output { horizon, events }
+        self.command(request)
     }
 
     /// A request that was overtaken by a newer one: it teaches the link model and changes nothing else.
@@ -157,7 +164,12 @@ impl Controller {
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
         }
-        self.commands.newest().cloned()
+        self.newest().cloned()
+    }
+
+    /// The newest horizon sent.
+    pub fn newest(&self) -> Option<&Horizon> {
+        self.commands.newest()
     }
 
     fn learn(&mut self, request: &Request) {
@@ -171,7 +183,7 @@ impl Controller {
     }
 
     /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
-    fn observe(&mut self, observation: Observation, events: &mut ArrayVec<Event, 8>) {
+    fn observe(&mut self, observation: Observation, events: &mut Events) {
         let Some(track) = self.track else {
             self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
             return;
@@ -239,7 +251,7 @@ impl Controller {
         let Settings { drive, noise, .. } = &self.settings;
         let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
         let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
-        offset.forward.hypot(offset.lateral) <= far && offset.turn.abs() <= turned
+        length(offset.forward, offset.lateral) <= far && offset.turn.abs() <= turned
     }
 
     /// Closes the window with a pose where it is ripe; the window that goes on.
@@ -264,7 +276,7 @@ impl Controller {
     }
 
     /// Follows the task as observed.
-    fn follow_task(&mut self, observation: &Observation, events: &mut ArrayVec<Event, 8>) {
+    fn follow_task(&mut self, observation: &Observation, events: &mut Events) {
         let Some(task) = &self.task else { return };
         let here = observation.pose.point();
         let phase = if self.phase == Phase::Settling {
@@ -278,7 +290,7 @@ impl Controller {
         };
         if let Some(phase) = phase {
             self.phase = phase;
-            self.phases = None;
+            self.phases.clear();
         }
     }
 
@@ -292,44 +304,37 @@ impl Controller {
     }
 
     /// Plans the horizon that answers `request`.
-    fn command(&mut self, request: &Request) -> Horizon {
+    fn command(&mut self, request: &Request) -> &Horizon {
         let Settings { drive, slot, watchdog, loop_delay, attribution, .. } = self.settings;
-        let mut horizon = Horizon {
-            sequence: request.sequence,
-            answers: request.sequence,
-            start: request.sent + slot,
-            slot,
-            watchdog,
-            speeds: ArrayVec::new(),
-        };
         let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
+        let soonest = (request.sent + slot).max(newest);
         let Some(track) = self.track else {
-            horizon.start = horizon.start.max(newest);
+            let horizon = self.commands.begin(request.sequence, soonest, slot, watchdog);
             horizon.speeds.push(WheelSpeeds::ZERO);
             return horizon;
         };
         let taken = track.last.taken;
-        horizon.start = horizon.start.max(taken + loop_delay).max(newest);
-        let since_change = self.enter_phase(newest, horizon.start);
+        let begins = soonest.max(taken + loop_delay);
+        let since_change = self.enter_phase(newest, begins);
 
         let model = self.belief.model();
-        let (prediction, wheels) = self.predict(&track, &model, horizon.start, request.sequence);
-        let before = self.commands.at(attribution, &drive, horizon.start - 1e-6);
+        let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
+        let before = self.commands.at(attribution, &drive, begins - 1e-6);
         let age = request.sent - taken;
         let start = Start {
-            time: horizon.start,
+            time: begins,
             since_change,
             prediction,
             wheels,
             previous: kinematics::forward(&drive, before),
             phase: self.phase,
             fresh: age <= loop_delay + FRESH,
-            stopped: self.stopped || horizon.start - taken > MAX_AHEAD,
+            stopped: self.stopped || begins - taken > MAX_AHEAD,
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
-        let plan = plan::plan(&self.settings, &model, self.task.as_ref(), start);
-        horizon.speeds = plan.speeds;
-        self.phases = Some(plan.phases);
+        let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
+        let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
+        plan::plan(&self.settings, &model, self.task.as_ref(), start, speeds, phases);
         horizon
     }
 
@@ -337,10 +342,11 @@ impl Controller {
     /// the old plan's last change of command.
     fn enter_phase(&mut self, old_start: f64, start: f64) -> f64 {
         let slot = self.settings.slot;
-        let Some(phases) = &self.phases else {
+        let phases = &self.phases;
+        if phases.is_empty() {
             self.record.pass(self.phase, start);
             return slot;
-        };
+        }
         // Poses need not come once per slot: a plan may begin within a slot of the old one, whose decision then stands
         // already, or after many, and with them perhaps several phases, after a stall.
         let slots = ((start - old_start) / slot).max(0.0);
@@ -388,7 +394,7 @@ impl Controller {
     /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
     pub fn set_task(&mut self, task: Task) {
         self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
-        self.phases = None;
+        self.phases.clear();
         self.record = Record::default();
         self.task = Some(task);
     }
@@ -397,7 +403,7 @@ impl Controller {
     pub fn cancel_task(&mut self) {
         self.task = None;
         self.phase = Phase::Idle;
-        self.phases = None;
+        self.phases.clear();
         self.record = Record::default();
     }
 
@@ -422,7 +428,7 @@ impl Controller {
         self.belief.link.restart_clock();
         self.track = None;
         self.doubt = None;
-        self.phases = None;
+        self.phases.clear();
         self.phase = self.phase.resumed();
         self.record.restart_clock();
     }
@@ -441,7 +447,7 @@ impl Controller {
             self.belief = Belief::new(settings.method, &settings.prior, settings.drift);
         }
         self.settings = settings;
-        self.phases = None;
+        self.phases.clear();
     }
 
     /// The settings.
@@ -464,6 +470,11 @@ impl Controller {
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
         let stage = if legs == 0 { Stage::Idle } else { self.phase.stage() };
         self.record.progress(stage, legs)
+    }
+
+    /// Whether the task is done: the stage of [`Controller::progress`] without the rest.
+    pub fn has_arrived(&self) -> bool {
+        self.task.is_some() && self.phase == Phase::Arrived
     }
 
     /// The identified environment.

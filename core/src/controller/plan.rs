@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use super::task::{Stage, Task};
-use crate::geometry::{Displacement, Pose, Twist, WheelSpeeds};
+use crate::geometry::{Displacement, Pose, Twist, WheelSpeeds, length};
 use crate::horizon::MAX_SLOTS;
 use crate::kinematics::{self, Drive};
 use crate::prediction::{ErrorModel, Motion, Prediction};
@@ -123,25 +123,25 @@ pub struct Start {
 /// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
 pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;
 
-/// A plan: a command per slot, and the phases that they lead through.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// Wheel speeds per slot.
-    pub speeds: ArrayVec<WheelSpeeds, MAX_SLOTS>,
-    /// One more phase than slots.
-    pub phases: Phases,
-}
-
-/// Rolls the task forward.
-pub fn plan(settings: &Settings, model: &ErrorModel, task: Option<&Task>, start: Start) -> Plan {
-    let mut roll = Roll { settings, model, task, state: start };
-    let mut plan = Plan { speeds: ArrayVec::new(), phases: ArrayVec::new() };
+/// Rolls the task forward: wheel speeds per slot into `speeds`, the phases that they lead through into `phases`.
+/// Both are large and stay in place: a plan is made in every slot.
+pub fn plan(
+    settings: &Settings,
+    model: &ErrorModel,
+    task: Option<&Task>,
+    start: Start,
+    speeds: &mut ArrayVec<WheelSpeeds, MAX_SLOTS>,
+    phases: &mut Phases,
+) {
+    speeds.clear();
+    phases.clear();
+    let predictions = [start.prediction.clone(), start.prediction.clone()];
+    let mut roll = Roll { settings, model, task, state: start, predictions, now: 0 };
     for slot in 0..settings.slots.clamp(1, MAX_SLOTS) {
-        plan.phases.push(roll.state.phase);
-        plan.speeds.push(roll.next(slot));
+        phases.push(roll.state.phase);
+        speeds.push(roll.next(slot));
     }
-    plan.phases.push(roll.state.phase);
-    plan
+    phases.push(roll.state.phase);
 }
 
 /// What the way to a point asks for.
@@ -154,11 +154,22 @@ enum Approach {
     Go(Twist),
 }
 
+/// One slot under one command.
+struct Slot {
+    command: Twist,
+    speeds: WheelSpeeds,
+    /// What the wheels really do at its end.
+    wheels: WheelSpeeds,
+}
+
 struct Roll<'a> {
     settings: &'a Settings,
     model: &'a ErrorModel,
     task: Option<&'a Task>,
     state: Start,
+    /// The prediction at the beginning of the slot, at `now`, and the one at its end under the command tried last.
+    predictions: [Prediction; 2],
+    now: usize,
 }
 
 impl Roll<'_> {
@@ -168,32 +179,36 @@ impl Roll<'_> {
             Some(task) if !self.state.stopped => self.decide(task),
             _ => Twist::ZERO,
         };
-        let command = self.admit(desired, slot);
-        let (wheels, motion) = self.motion(command);
-        self.state.prediction.advance(self.model, motion);
+        let Slot { command, speeds, wheels } = self.admit(desired, slot);
+        self.now = 1 - self.now;
         self.state.wheels = wheels;
         self.state.previous = command;
         self.state.time += self.settings.slot;
         self.state.since_change = self.settings.slot;
-        kinematics::inverse(&self.settings.drive, command)
+        speeds
     }
 
-    /// The motion of the next slot under `command`, and the wheel speeds at its end.
-    fn motion(&self, command: Twist) -> (WheelSpeeds, Motion) {
+    /// The next slot under `command`, predicted to its end.
+    fn attempt(&mut self, command: Twist) -> Slot {
         let (drive, duration) = (&self.settings.drive, self.settings.slot);
         let speeds = kinematics::inverse(drive, command);
-        let (end, twist) = kinematics::travel(drive, self.state.wheels, speeds, duration);
-        (end, Motion::new(twist, duration))
+        let (wheels, twist) = kinematics::travel(drive, self.state.wheels, speeds, duration);
+        let [one, other] = &mut self.predictions;
+        let (before, after) = if self.now == 0 { (one, other) } else { (other, one) };
+        after.become_after(before, self.model, Motion::new(twist, duration));
+        Slot { command, speeds, wheels }
     }
 
-    /// The fastest command along `desired` whose variance at the end of its slot is under the limits
+    /// The slot of the fastest command along `desired` whose variance at its end is under the limits
     /// (thesis section 4.1.4), reachable from the previous one.
-    fn admit(&self, desired: Twist, slot: usize) -> Twist {
+    fn admit(&mut self, desired: Twist, slot: usize) -> Slot {
         let (drive, previous) = (&self.settings.drive, self.state.previous);
-        let reached = |twist| drive.reach(previous, twist, self.state.since_change);
+        let since_change = self.state.since_change;
+        let reached = |twist| drive.reach(previous, twist, since_change);
         let full = reached(drive.limited(desired));
-        if full == Twist::ZERO || self.is_sure(full) {
-            return full;
+        let fastest = self.attempt(full);
+        if full == Twist::ZERO || self.is_sure() {
+            return fastest;
         }
         let slowest = crawl(drive, full);
         for part in 1..SLOWER {
@@ -201,19 +216,19 @@ impl Roll<'_> {
             if is_slower(slower, slowest) {
                 break;
             }
-            let slower = reached(slower);
-            if self.is_sure(slower) {
+            let slower = self.attempt(reached(slower));
+            if self.is_sure() {
                 return slower;
             }
         }
         // An unsure robot creeps, it does not deadlock: within the expected loop delay a fresh pose will correct it.
         let soon = slot as f64 * self.settings.slot < self.settings.loop_delay;
-        reached(if self.state.fresh && soon { slowest } else { Twist::ZERO })
+        self.attempt(reached(if self.state.fresh && soon { slowest } else { Twist::ZERO }))
     }
 
-    fn is_sure(&self, command: Twist) -> bool {
-        let (_, motion) = self.motion(command);
-        let spread = self.state.prediction.spread_after(self.model, motion);
+    /// Whether the variances at the end of the slot tried last are under the limits.
+    fn is_sure(&self) -> bool {
+        let spread = self.predictions[1 - self.now].spread();
         let limits = &self.settings.variance;
         spread.position <= limits.position && spread.heading <= limits.heading
     }
@@ -248,7 +263,10 @@ impl Roll<'_> {
     /// The pose at which the robot would come to rest if the command were zero from now on: the actuator's lag
     /// carries it on by lag x speed.
     fn coasted(&self) -> Pose {
-        let (drive, mean) = (&self.settings.drive, self.state.prediction.mean());
+        let (drive, mean) = (&self.settings.drive, self.predictions[self.now].mean());
+        if drive.lag == 0.0 {
+            return mean;
+        }
         let twist = kinematics::forward(drive, self.state.wheels);
         mean.then(kinematics::integrate(twist, drive.lag))
     }
@@ -263,7 +281,7 @@ impl Roll<'_> {
         let Some(calibration) = calibration else {
             let goes_straight = task.calibration.is_some_and(|it| it.straight > 0.0);
             self.state.phase = if goes_straight {
-                let origin = self.state.prediction.mean();
+                let origin = self.predictions[self.now].mean();
                 Phase::Straight { outbound: true, origin, since: None }
             } else {
                 Phase::Settling
@@ -318,7 +336,8 @@ impl Roll<'_> {
         let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
         let (ahead, aside) = pose.toward(target);
         // Where the robot stands on the point, its direction is noise: nothing to turn to.
-        if ahead.hypot(aside) <= task.tolerance {
+        let distance = length(ahead, aside);
+        if distance <= task.tolerance {
             self.state.phase = Phase::Stopping { leg, since: None };
             return None;
         }
@@ -326,7 +345,7 @@ impl Roll<'_> {
         if side == 0 {
             // The curve may stray by the stop radius; more is worth a turn in place.
             let law = &self.settings.steering;
-            let worth = law.stop_radius / (STRAY * ahead.hypot(aside));
+            let worth = law.stop_radius / (STRAY * distance);
             let worth = worth.clamp(WORTH_TURNING, law.turn_tolerance.max(WORTH_TURNING));
             if error.abs() <= worth {
                 self.state.phase = Phase::Driving { leg };
@@ -402,7 +421,7 @@ impl Roll<'_> {
     fn approach(&self, target: crate::geometry::Point, reverse: bool, tolerance: f64) -> Approach {
         let (drive, law) = (&self.settings.drive, &self.settings.steering);
         let (ahead, aside) = self.coasted().toward(target);
-        let distance = ahead.hypot(aside);
+        let distance = length(ahead, aside);
         let onward = if reverse { -ahead } else { ahead };
         let error = heading_error(ahead, aside, reverse).abs();
         // Far off, or off by so much at so great a distance that the curve would leave the path: as after a silence

@@ -125,6 +125,7 @@ impl ChannelBelief {
     /// As it is shown, where predictions assume `model`.
     pub fn estimate(&self, model: &ChannelModel, used: bool) -> ChannelEstimate {
         let posterior = model.posterior;
+        let intervals = posterior.map(|posterior| posterior.intervals(LEVEL));
         ChannelEstimate {
             channel: self.channel,
             used,
@@ -133,9 +134,9 @@ impl ChannelBelief {
                 Some(posterior) => posterior.expected_variance().map(f64::sqrt),
                 None => Some(model.variance.sqrt()),
             },
-            mean_interval: posterior.map(|posterior| posterior.mean_interval(LEVEL)),
-            predictive_interval: Some(match posterior {
-                Some(posterior) => posterior.predictive_interval(LEVEL),
+            mean_interval: intervals.map(|[mean, _]| mean),
+            predictive_interval: Some(match intervals {
+                Some([_, predictive]) => predictive,
                 None => normal_interval(model.mean, model.variance.sqrt()),
             }),
             samples: self.statistics.samples.samples,

@@ -3,6 +3,7 @@
 use super::estimate::{LEVEL, LinkEstimate};
 use crate::conjugate::{BetaBernoulli, NormalInverseChiSquared};
 use crate::exchange::{Delivery, Observation};
+use crate::geometry::elementary::{exp, ln};
 use crate::horizon::SLOT;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -70,7 +71,7 @@ impl LinkBelief {
     pub fn update(&mut self, delivery: &Delivery) {
         let delay = delivery.loop_delay.max(SHORTEST);
         self.deliveries += 1;
-        let asked = self.requests.iter().find(|(sequence, _)| *sequence == delivery.sequence);
+        let asked = self.requests.iter().rev().find(|(sequence, _)| *sequence == delivery.sequence);
         let arrival = asked.map(|(_, taken)| taken + delivery.loop_delay);
         let held_back = arrival
             .zip(self.late_arrival)
@@ -81,7 +82,7 @@ impl LinkBelief {
             self.late_deliveries += 1;
             self.late_arrival = arrival;
         } else if !held_back {
-            self.ln_delay = self.ln_delay.update(delay.ln());
+            self.ln_delay = self.ln_delay.update(ln(delay));
         }
     }
 
@@ -92,7 +93,7 @@ impl LinkBelief {
     }
 
     fn median(&self) -> f64 {
-        self.ln_delay.mu().exp()
+        exp(self.ln_delay.mu())
     }
 
     /// As it is shown.

@@ -2,6 +2,7 @@
 
 use crate::controller::settings::PoseNoise;
 use crate::exchange::Observation;
+use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Twist};
 use crate::horizon::SLOT;
 use crate::kinematics::{self, Drive};
@@ -134,7 +135,7 @@ impl Window {
     fn samples(&self, noise: PoseNoise, end: &Observation, drives: bool, turns: bool) -> Samples {
         let measured = end.pose.relative_to(self.start.pose);
         // The error along and across the direction of motion: that of the chord, at half the turn.
-        let (sin, cos) = (self.turn / 2.0).sin_cos();
+        let (sin, cos) = sin_cos(self.turn / 2.0);
         let ahead = measured.forward - self.nominal.forward;
         let aside = measured.lateral - self.nominal.lateral;
         let along = cos * ahead + sin * aside;

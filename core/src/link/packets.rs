@@ -2,6 +2,7 @@
 
 use super::draw::{SlotDraws, Stream};
 use super::{LinkError, LinkModel, Rtt, SLOT, Z_99};
+use crate::geometry::elementary::exp;
 use serde::{Deserialize, Serialize};
 
 /// A send time this share of a slot before the next slot counts as in it: multiples of 0.03 are not exact.
@@ -153,7 +154,7 @@ impl Link {
             Rtt::Constant(rtt) => rtt / 2.0,
             Rtt::Lognormal { .. } => {
                 let (median, sigma) = self.one_way;
-                median * (sigma * SlotDraws::new(self.seed, stream, slot).normal()).exp()
+                median * exp(sigma * SlotDraws::new(self.seed, stream, slot).normal())
             }
             Rtt::Trace(trace) => trace.at(now) / 2.0,
         }

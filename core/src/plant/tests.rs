@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::Displacement;
 use crate::geometry::Twist;
 use crate::kinematics::{integrate, inverse};
 use proptest::prelude::*;

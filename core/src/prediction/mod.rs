@@ -11,7 +11,7 @@ pub use monte_carlo::Agents;
 
 use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::settings::PoseNoise;
-use crate::geometry::{Pose, Twist};
+use crate::geometry::{Pose, Twist, length};
 use serde::{Deserialize, Serialize};
 
 /// Time in s over which a ratio's variance is stated (error acquisition cycle, thesis table 1).
@@ -107,7 +107,7 @@ pub struct Spread {
 impl Spread {
     /// From the entries of a covariance: of x, of y, between them, of the heading.
     fn new(xx: f64, yy: f64, xy: f64, heading: f64) -> Self {
-        let position = f64::midpoint(xx, yy) + ((xx - yy) / 2.0).hypot(xy);
+        let position = f64::midpoint(xx, yy) + length((xx - yy) / 2.0, xy);
         Self { position, heading }
     }
 }
@@ -151,10 +151,16 @@ impl Prediction {
         }
     }
 
-    /// How unsure the pose would be after `motion`; the prediction itself stays where it is.
-    pub fn spread_after(&self, model: &ErrorModel, motion: Motion) -> Spread {
-        let mut next = self.clone();
-        next.advance(model, motion);
-        next.spread()
+    /// Becomes what `before` is after one commanded motion.
+    pub fn become_after(&mut self, before: &Self, model: &ErrorModel, motion: Motion) {
+        match (self, before) {
+            (Self::Moments(after), Self::Moments(before)) => {
+                before.write_after(model, motion, after);
+            }
+            (after, before) => {
+                *after = before.clone();
+                after.advance(model, motion);
+            }
+        }
     }
 }

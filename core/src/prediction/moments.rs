@@ -3,7 +3,8 @@
 use super::{ERROR_WINDOW, ErrorModel, Motion, Spread};
 use crate::controller::settings::PoseNoise;
 use crate::geometry::Pose;
-use nalgebra::{Matrix3, Matrix3x4, Vector3};
+use crate::geometry::elementary::{exp, sin_cos};
+use nalgebra::Matrix3;
 
 /// Mean and covariance of a predicted pose.
 ///
@@ -19,11 +20,25 @@ pub struct Moments {
     y: f64,
     heading: f64,
     /// Covariance of (x, y, heading) for known channel means.
-    known: Matrix3<f64>,
-    /// Derivative of (x, y, heading) by the channel means.
-    sensitivity: Matrix3x4<f64>,
+    known: Symmetric,
+    /// Derivative of (x, y) by the forward mean; by the lateral one it is the same, turned a quarter to the left.
+    by_forward: (f64, f64),
+    /// Derivative of (x, y, heading) by the mean of the turn and of the drift.
+    by_turn: [f64; 3],
+    by_drift: [f64; 3],
     /// Variances of the channel means.
     mean_variance: [f64; 4],
+}
+
+/// A symmetric matrix over (x, y, heading).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Symmetric {
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    xh: f64,
+    yh: f64,
+    hh: f64,
 }
 
 impl Moments {
@@ -34,8 +49,10 @@ impl Moments {
             x: pose.x,
             y: pose.y,
             heading: pose.heading.radians(),
-            known: Matrix3::from_diagonal(&Vector3::new(p, p, h)),
-            sensitivity: Matrix3x4::zeros(),
+            known: Symmetric { xx: p, xy: 0.0, yy: p, xh: 0.0, yh: 0.0, hh: h },
+            by_forward: (0.0, 0.0),
+            by_turn: [0.0; 3],
+            by_drift: [0.0; 3],
             mean_variance: [0.0; 4],
         }
     }
@@ -45,81 +62,94 @@ impl Moments {
     /// Forward f = l (1 + mu_f), lateral g = l mu_l, turn d = phi (1 + mu_t) + l mu_d; each error is white in time:
     /// over h s its variance is sigma^2 x 0.1 s x l^2/h (or phi^2/h).
     pub fn advance(&mut self, model: &ErrorModel, motion: Motion) {
+        let before = *self;
+        before.write_after(model, motion, self);
+    }
+
+    /// [`Moments::advance`] to another place, field by field: whoever may have to go back copies nothing.
+    #[inline]
+    pub fn write_after(&self, model: &ErrorModel, motion: Motion, after: &mut Self) {
         let Motion { length, turn, duration } = motion;
         if length == 0.0 && turn == 0.0 {
+            *after = *self;
             return;
         }
         let forward = length * (1.0 + model.forward.mean);
         let lateral = length * model.lateral.mean;
         let turned = turn * (1.0 + model.turn.mean) + length * model.drift.mean;
-        let (per_length, per_turn) =
-            (ERROR_WINDOW * length * length / duration, ERROR_WINDOW * turn * turn / duration);
+        let share = ERROR_WINDOW / duration;
+        let (per_length, per_turn) = (share * length * length, share * turn * turn);
         let forward_variance = model.forward.variance * per_length;
         let lateral_variance = model.lateral.variance * per_length;
         let turn_variance = model.turn.variance * per_turn + model.drift.variance * per_length;
-        self.mean_variance = [
+        let mean_variance = [
             model.forward.mean_variance,
             model.lateral.mean_variance,
             model.turn.mean_variance,
             model.drift.mean_variance,
         ];
 
-        let halfway = self.heading_variance() + turn_variance / 4.0;
-        let (sin, cos) = (self.heading + turned / 2.0).sin_cos();
-        let shrink = if halfway < 1e-12 { 1.0 } else { (-halfway / 2.0).exp() };
+        let [_, _, turn_mean, drift_mean] = mean_variance;
+        let halfway = self.heading_variance(turn_mean, drift_mean) + turn_variance / 4.0;
+        let (sin, cos) = sin_cos(self.heading + turned / 2.0);
+        let shrink = exp(-halfway / 2.0);
         let (sin, cos) = (sin * shrink, cos * shrink);
         let (dx, dy) = (forward * cos - lateral * sin, forward * sin + lateral * cos);
 
-        // F: how the pose after depends on the pose before; only through the heading.
-        for column in 0..4 {
-            let by_heading = self.sensitivity[(2, column)];
-            self.sensitivity[(0, column)] -= dy * by_heading;
-            self.sensitivity[(1, column)] += dx * by_heading;
-        }
-        let along = [cos, sin, 0.0];
-        let across = [-sin, cos, 0.0];
-        let around = [-dy / 2.0, dx / 2.0, 1.0];
-        for row in 0..3 {
-            self.sensitivity[(row, 0)] += length * along[row];
-            self.sensitivity[(row, 1)] += length * across[row];
-            self.sensitivity[(row, 2)] += turn * around[row];
-            self.sensitivity[(row, 3)] += length * around[row];
-        }
-        let q = &mut self.known;
-        let (qxh, qyh, qhh) = (q[(0, 2)], q[(1, 2)], q[(2, 2)]);
-        q[(0, 0)] += -2.0 * dy * qxh + dy * dy * qhh;
-        q[(0, 1)] += dx * qxh - dy * qyh - dx * dy * qhh;
-        q[(1, 1)] += 2.0 * dx * qyh + dx * dx * qhh;
-        q[(0, 2)] -= dy * qhh;
-        q[(1, 2)] += dx * qhh;
-        for row in 0..3 {
-            for column in row..3 {
-                q[(row, column)] += forward_variance * along[row] * along[column]
-                    + lateral_variance * across[row] * across[column]
-                    + turn_variance * around[row] * around[column];
-            }
-        }
-        q[(1, 0)] = q[(0, 1)];
-        q[(2, 0)] = q[(0, 2)];
-        q[(2, 1)] = q[(1, 2)];
-
-        self.x += dx;
-        self.y += dy;
-        self.heading += turned;
+        // How the pose after depends on the pose before, only through the heading, and on this motion's own errors:
+        // along (cos, sin), across (-sin, cos), around (-dy/2, dx/2, 1).
+        let by = |[x, y, heading]: [f64; 3], weight: f64| {
+            let halfway = heading + weight / 2.0;
+            [x - dy * halfway, y + dx * halfway, heading + weight]
+        };
+        let Symmetric { xx, xy, yy, xh, yh, hh } = self.known;
+        // Half of this motion's turn variance turns its own chord.
+        let (around_hh, around_h) = (hh + turn_variance / 4.0, hh + turn_variance / 2.0);
+        after.known = Symmetric {
+            xx: xx - 2.0 * dy * xh
+                + dy * dy * around_hh
+                + forward_variance * cos * cos
+                + lateral_variance * sin * sin,
+            xy: xy + dx * xh - dy * yh - dx * dy * around_hh
+                + (forward_variance - lateral_variance) * cos * sin,
+            yy: yy
+                + 2.0 * dx * yh
+                + dx * dx * around_hh
+                + forward_variance * sin * sin
+                + lateral_variance * cos * cos,
+            xh: xh - dy * around_h,
+            yh: yh + dx * around_h,
+            hh: hh + turn_variance,
+        };
+        after.x = self.x + dx;
+        after.y = self.y + dy;
+        after.heading = self.heading + turned;
+        after.by_forward = (self.by_forward.0 + length * cos, self.by_forward.1 + length * sin);
+        after.by_turn = by(self.by_turn, turn);
+        after.by_drift = by(self.by_drift, length);
+        after.mean_variance = mean_variance;
     }
 
-    fn heading_variance(&self) -> f64 {
-        self.entry(2, 2)
+    /// Variance of the heading where the means of turn and drift have these variances.
+    fn heading_variance(&self, turn: f64, drift: f64) -> f64 {
+        self.known.hh
+            + turn * self.by_turn[2] * self.by_turn[2]
+            + drift * self.by_drift[2] * self.by_drift[2]
     }
 
-    /// One entry of the covariance: Q + J diag(mean_variance) J^T.
-    fn entry(&self, row: usize, column: usize) -> f64 {
-        let mut sum = self.known[(row, column)];
-        for (channel, variance) in self.mean_variance.iter().enumerate() {
-            sum +=
-                variance * self.sensitivity[(row, channel)] * self.sensitivity[(column, channel)];
+    /// The covariance Q + J diag(mean_variance) J^T.
+    fn total(&self) -> Symmetric {
+        let [forward, lateral, turn, drift] = self.mean_variance;
+        let Symmetric { xx, xy, yy, xh, yh, .. } = self.known;
+        let ((fx, fy), [tx, ty, th], [dx, dy, dh]) = (self.by_forward, self.by_turn, self.by_drift);
+        Symmetric {
+            xx: xx + forward * fx * fx + lateral * fy * fy + turn * tx * tx + drift * dx * dx,
+            xy: xy + (forward - lateral) * fx * fy + turn * tx * ty + drift * dx * dy,
+            yy: yy + forward * fy * fy + lateral * fx * fx + turn * ty * ty + drift * dy * dy,
+            xh: xh + turn * tx * th + drift * dx * dh,
+            yh: yh + turn * ty * th + drift * dy * dh,
+            hh: self.heading_variance(turn, drift),
         }
-        sum
     }
 
     /// The expected pose.
@@ -129,11 +159,13 @@ impl Moments {
 
     /// Covariance of (x, y, heading) in m and rad.
     pub fn covariance(&self) -> Matrix3<f64> {
-        Matrix3::from_fn(|row, column| self.entry(row, column))
+        let Symmetric { xx, xy, yy, xh, yh, hh } = self.total();
+        Matrix3::new(xx, xy, xh, xy, yy, yh, xh, yh, hh)
     }
 
     /// The variances that the variance rule looks at.
     pub fn spread(&self) -> Spread {
-        Spread::new(self.entry(0, 0), self.entry(1, 1), self.entry(0, 1), self.heading_variance())
+        let Symmetric { xx, xy, yy, hh, .. } = self.total();
+        Spread::new(xx, yy, xy, hh)
     }
 }

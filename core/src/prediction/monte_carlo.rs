@@ -2,6 +2,7 @@
 
 use super::{ChannelModel, ERROR_WINDOW, ErrorModel, Motion, Spread};
 use crate::controller::settings::PoseNoise;
+use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Pose};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{ChiSquared, StandardNormal};
@@ -63,7 +64,7 @@ impl Agents {
             let [forward, lateral, around, drift] =
                 agent.channels.map(|(mean, sd)| mean + sd * share * normal(&mut self.random));
             let turned = turn * (1.0 + around) + length * drift;
-            let (sin, cos) = (agent.heading + turned / 2.0).sin_cos();
+            let (sin, cos) = sin_cos(agent.heading + turned / 2.0);
             let (ahead, aside) = (length * (1.0 + forward), length * lateral);
             agent.x += ahead * cos - aside * sin;
             agent.y += ahead * sin + aside * cos;
