@@ -58,7 +58,7 @@ mod tests {
     fn the_prior_that_made_the_groups_is_found() {
         let (mu, k, r, s) = (-0.1_f64, 2.0_f64, 8.0_f64, 0.08_f64);
         let mut rng = Pcg64::seed_from_u64(11);
-        let mut normal = |rng: &mut Pcg64| -> f64 { StandardNormal.sample(rng) };
+        let normal = |rng: &mut Pcg64| -> f64 { StandardNormal.sample(rng) };
         let chi = ChiSquared::new(r).unwrap();
         let groups: Vec<[SampleStatistics; 4]> = (0..4000)
             .map(|_| {

@@ -103,7 +103,7 @@ mod tests {
             evaluation(9.0, 33.0, false),
             evaluation(9.0, 35.0, false),
         ];
-        let individuals = [vec![0.1, 1.0, 1.0, 0.1].repeat(3), vec![0.2, 1.0, 1.0, 0.1].repeat(3)];
+        let individuals = [[0.1, 1.0, 1.0, 0.1].repeat(3), [0.2, 1.0, 1.0, 0.1].repeat(3)];
         let it = summary(4, &environments, &individuals, &[0.5, 0.75], &evaluations);
         assert_eq!((it.index, it.fitness), (4, Spread { best: 0.75, mean: 0.625 }));
         assert_eq!(it.prior.forward.mu(), 0.2);

@@ -50,6 +50,7 @@ impl Gene {
     }
 
     /// Whether `value` is in the domain.
+    #[cfg(test)]
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
