@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::Instant;
+use umwelt_api::IdempotencyKey;
 use umwelt_api::problem::Problem;
 
 /// Largest answer that is read: 16 times the largest page of robots.
@@ -18,6 +19,9 @@ const MAX_ANSWER: usize = 16 << 20;
 
 /// The deadline as the server hears it: a number of at most eight digits and its unit.
 pub(crate) const GRPC_TIMEOUT: HeaderName = HeaderName::from_static("grpc-timeout");
+
+/// [`IdempotencyKey::HEADER`] in the lower case of HTTP/2.
+const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
 /// A call to be sent, cheap to send again.
 #[derive(Clone, Debug)]
@@ -27,6 +31,10 @@ pub(crate) struct Call {
     pub(crate) url: Url,
     pub(crate) body: Option<Bytes>,
     pub(crate) if_match: Option<Arc<str>>,
+    /// Of a POST that creates: sent twice with it, it creates once.
+    pub(crate) idempotency_key: Option<IdempotencyKey>,
+    /// The media type of the answer.
+    pub(crate) accept: &'static str,
     /// Time for all attempts together.
     pub(crate) allowed: Duration,
     pub(crate) deadline: Instant,
@@ -43,6 +51,8 @@ impl Call {
             url,
             body: None,
             if_match: None,
+            idempotency_key: None,
+            accept: "application/json",
             allowed,
             deadline: Instant::now() + allowed,
             retries_left,
@@ -67,7 +77,7 @@ impl Call {
 
     fn headers(&self) -> Result<HeaderMap, Error> {
         let mut headers = HeaderMap::new();
-        headers.insert(ACCEPT, HeaderValue::from_static("application/json"));
+        headers.insert(ACCEPT, HeaderValue::from_static(self.accept));
         headers.insert(GRPC_TIMEOUT, grpc_timeout(self.left()));
         if self.body.is_some() {
             headers.insert(CONTENT_TYPE, HeaderValue::from_static("application/json"));
@@ -78,6 +88,13 @@ impl Call {
                 why: format!("{etag:?} cannot be an etag: use that of the resource as it was read"),
             })?;
             headers.insert(IF_MATCH, value);
+        }
+        if let Some(key) = &self.idempotency_key {
+            let value = HeaderValue::from_str(key.as_str()).map_err(|error| Error::BadCall {
+                what: self.what.as_ref().into(),
+                why: format!("{key} cannot be an idempotency key: {error}"),
+            })?;
+            headers.insert(IDEMPOTENCY_KEY, value);
         }
         Ok(headers)
     }
@@ -170,6 +187,11 @@ mod tests {
         assert_eq!(grpc_timeout(Duration::from_millis(1500)), "1500m");
         assert_eq!(grpc_timeout(Duration::ZERO), "0m");
         assert_eq!(grpc_timeout(Duration::MAX), "99999999m");
+    }
+
+    #[test]
+    fn the_key_goes_under_its_name() {
+        assert!(IdempotencyKey::HEADER.eq_ignore_ascii_case(IDEMPOTENCY_KEY.as_str()));
     }
 
     #[test]

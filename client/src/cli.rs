@@ -5,15 +5,19 @@
 
 mod environment;
 mod events;
+mod evolution;
+mod evolve;
 mod failure;
 mod input;
 mod output;
+mod prior;
 mod progress;
 mod quantity;
 mod robot;
 mod stop;
 mod table;
 mod task;
+mod training;
 
 use crate::client::Client;
 use clap::{Parser, Subcommand};
@@ -26,6 +30,8 @@ Examples:
   umwelt robot add rover-7 --wheel-radius 0.021 --track-width 0.1
   umwelt task set rover-7 --waypoint 0.2,0 --waypoint 0,-0.1 --watch
   umwelt environment show rover-7
+  umwelt evolve --environments normal,slippery --prior wet-hall --watch
+  umwelt robot add rover-7 --prior wet-hall
   umwelt stop --all
   umwelt --json robot list --state lost | jq -r '.robots[].robot'
 
@@ -59,9 +65,17 @@ enum Command {
     /// Send a robot somewhere, and see how far it has got
     #[command(subcommand)]
     Task(task::Command),
-    /// Show what was learned of the floor and the link of a robot
-    #[command(subcommand)]
+    /// Show what was learned of a robot's floor and link; name simulated environments
+    #[command(subcommand, after_help = environment::WHICH)]
     Environment(environment::Command),
+    /// Name what robots believe of the floor before any sample
+    #[command(subcommand)]
+    Prior(prior::Command),
+    /// Search for a prior in simulated environments, in the background of the server
+    Evolve(Box<evolve::Evolve>),
+    /// Watch, compare, draw, cancel and remove evolutions
+    #[command(subcommand)]
+    Evolution(evolution::Command),
     /// Stop a robot, or all, until resumed
     Stop(stop::Which),
     /// Let a stopped robot, or all, go on
@@ -90,6 +104,9 @@ async fn run(server: &str, command: Command, output: &mut Output) -> Result<(), 
         Command::Robot(command) => command.run(&client, output).await,
         Command::Task(command) => command.run(&client, output).await,
         Command::Environment(command) => command.run(&client, output).await,
+        Command::Prior(command) => command.run(&client, output).await,
+        Command::Evolve(evolve) => evolve.run(&client, output).await,
+        Command::Evolution(command) => command.run(&client, output).await,
         Command::Stop(which) => which.run(&client, output, true).await,
         Command::Resume(which) => which.run(&client, output, false).await,
         Command::Events(follow) => follow.run(&client, output).await,
@@ -130,6 +147,17 @@ mod tests {
             "umwelt stop",
             "umwelt stop a --all",
             "umwelt events --type nothing",
+            "umwelt robot add a --prior Wet",
+            "umwelt evolve --preset fast",
+            "umwelt evolve --optimizer guess",
+            "umwelt evolve --population many",
+            "umwelt evolve --idempotency-key ä",
+            "umwelt evolution show",
+            "umwelt evolution show Evolution",
+            "umwelt evolution list --state gone",
+            "umwelt prior put wet",
+            "umwelt environment put wet",
+            "umwelt environment describe",
         ] {
             let error = Cli::try_parse_from(line.split(' ')).expect_err(line);
             assert_eq!(error.exit_code(), 2, "{line}");
@@ -154,6 +182,12 @@ mod tests {
             "umwelt robot add a --slots 0",
             "umwelt task set a --waypoint 1e9,0",
             "umwelt task set a --waypoint 0,0 --tolerance -1",
+            "umwelt evolve --population 1",
+            "umwelt evolve --environments normal,normal",
+            "umwelt evolve --slots 68 --trials 0",
+            "umwelt prior put a --file /nonexistent/prior.json",
+            "umwelt environment put a --file /",
+            "umwelt evolution plot evolution-1 --out /nonexistent",
         ] {
             let failure = failure(line).await;
             assert!(matches!(failure, Failure::Wrong(_)), "{line}: {failure:?}");

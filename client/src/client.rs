@@ -3,10 +3,11 @@
 use crate::address::Address;
 use crate::call::{self, Call};
 use crate::error::Error;
+use crate::pages;
 use crate::retry::{MAX_RETRIES, Unavailable};
 use crate::step::StepConnection;
 use bytes::Bytes;
-use futures_util::stream::{self, BoxStream, StreamExt, TryStreamExt};
+use futures_util::stream::BoxStream;
 use reqwest::{Method, Url, redirect};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -146,26 +147,15 @@ impl Client {
     /// error ends the stream.
     pub fn robots(&self, state: Option<robot::State>) -> BoxStream<'static, Result<Robot, Error>> {
         let client = self.clone();
-        let first = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token: None, state };
-        let pages = stream::try_unfold(Some(first), move |query| {
+        let what = format!("GET {}", self.at(&["v1", "robots"]));
+        pages::all(what, move |page_token| {
             let client = client.clone();
             async move {
-                let Some(query) = query else { return Ok(None) };
+                let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token, state };
                 let page = client.list_robots(&query).await?;
-                let next = page.next_page_token.map(|token| {
-                    // A token that leads to itself would be followed for ever.
-                    if query.page_token.as_ref() == Some(&token) {
-                        return Err(Error::Protocol {
-                            what: format!("GET {}", client.at(&["v1", "robots"])).into(),
-                            why: format!("page {token} is followed by itself"),
-                        });
-                    }
-                    Ok(PageQuery { page_token: Some(token), ..query })
-                });
-                Ok(Some((page.robots, next.transpose()?)))
+                Ok((page.robots, page.next_page_token))
             }
-        });
-        pages.map_ok(|robots| stream::iter(robots.into_iter().map(Ok))).try_flatten().boxed()
+        })
     }
 
     /// Sets the task of a robot; it begins with the next step and replaces the one before.
@@ -273,49 +263,53 @@ impl Client {
         self.at(&[&["v1", "robots", robot.as_str()], below].concat())
     }
 
-    async fn get<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
+    pub(crate) async fn get<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
         self.typed(self.call(Method::GET, url)).await
     }
 
-    async fn post<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
+    pub(crate) async fn post<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
         self.typed(self.call(Method::POST, url)).await
     }
 
-    async fn put<T: DeserializeOwned>(&self, url: Url, body: &impl Serialize) -> Result<T, Error> {
+    pub(crate) async fn put<T: DeserializeOwned>(
+        &self,
+        url: Url,
+        body: &impl Serialize,
+    ) -> Result<T, Error> {
         let call = self.call(Method::PUT, url).with_json(body)?;
         self.typed(Call { if_match: self.if_match.clone(), ..call }).await
     }
 
-    async fn delete(&self, url: Url) -> Result<(), Error> {
+    pub(crate) async fn delete(&self, url: Url) -> Result<(), Error> {
         let call = self.call(Method::DELETE, url);
         let call = Call { if_match: self.if_match.clone(), ..call };
-        self.calls.clone().oneshot(call).await.map(drop)
+        self.bytes(call).await.map(drop)
     }
 
-    fn call(&self, method: Method, url: Url) -> Call {
+    pub(crate) fn call(&self, method: Method, url: Url) -> Call {
         Call::new(method, url, self.allowed, MAX_RETRIES)
     }
 
-    async fn typed<T: DeserializeOwned>(&self, call: Call) -> Result<T, Error> {
+    pub(crate) async fn typed<T: DeserializeOwned>(&self, call: Call) -> Result<T, Error> {
         let what = Arc::clone(&call.what);
-        let answer = self.calls.clone().oneshot(call).await?;
+        let answer = self.bytes(call).await?;
         call::read(&what, &answer)
+    }
+
+    /// The answer as it comes.
+    pub(crate) async fn bytes(&self, call: Call) -> Result<Bytes, Error> {
+        self.calls.clone().oneshot(call).await
     }
 }
 
 fn add_query(url: &mut Url, query: &PageQuery) {
     let PageQuery { page_size, page_token, state } = query;
-    let size = page_size.map(|size| size.to_string());
     let state = state.map(|state| match state {
-        robot::State::Never => "never".to_owned(),
-        robot::State::Connected => "connected".to_owned(),
-        robot::State::Lost => "lost".to_owned(),
+        robot::State::Never => "never",
+        robot::State::Connected => "connected",
+        robot::State::Lost => "lost",
     });
-    let parts = [("page_size", size), ("page_token", page_token.clone()), ("state", state)];
-    let parts = parts.into_iter().filter_map(|(name, value)| Some((name, value?)));
-    for (name, value) in parts {
-        url.query_pairs_mut().append_pair(name, &value);
-    }
+    pages::add_query(url, *page_size, page_token.as_deref(), state);
 }
 
 #[cfg(test)]

@@ -8,11 +8,12 @@ use crate::sse::{Message, Parser};
 use futures_util::stream::{self, BoxStream, StreamExt};
 use reqwest::header::{ACCEPT, CONTENT_TYPE, HeaderName};
 use reqwest::{Response, Url};
+use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
 use std::time::Duration;
 use tower::util::rng::{HasherRng, Rng};
-use umwelt_api::RobotId;
 use umwelt_api::event::Event;
+use umwelt_api::{EvolutionId, RobotId, evolution};
 
 /// Without a byte for so long the connection is taken for dead. The server says something every 15 s.
 pub const SILENCE: Duration = Duration::from_secs(40);
@@ -21,6 +22,38 @@ const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
 
 /// The stream of [`Client::events`].
 pub type Events = BoxStream<'static, Result<Event, Error>>;
+
+/// The stream of [`Client::evolution_events`].
+pub type EvolutionEvents = BoxStream<'static, Result<evolution::Event, Error>>;
+
+/// An event of some stream.
+trait Numbered: DeserializeOwned + Send + 'static {
+    /// Behind which to resume.
+    fn id(&self) -> u64;
+
+    /// Whether nothing comes after it.
+    fn is_last(&self) -> bool;
+}
+
+impl Numbered for Event {
+    fn id(&self) -> u64 {
+        self.id
+    }
+
+    fn is_last(&self) -> bool {
+        false
+    }
+}
+
+impl Numbered for evolution::Event {
+    fn id(&self) -> u64 {
+        self.id
+    }
+
+    fn is_last(&self) -> bool {
+        matches!(&self.kind, evolution::Kind::State { state, .. } if state.has_ended())
+    }
+}
 
 impl Client {
     /// What happens from now on, or behind the event `after`: to one robot, or to all.
@@ -54,23 +87,48 @@ impl Client {
             Some(robot) => self.at(&["v1", "robots", robot.as_str(), "events"]),
             None => self.at(&["v1", "events"]),
         };
-        let mut following = Following {
-            what: format!("GET {url}"),
-            url,
-            client: self.clone(),
-            last: after,
-            failed: 0,
-            random: HasherRng::default(),
-            ready: VecDeque::new(),
-            link: Link::Broken,
-        };
-        following.connect().await?;
-        Ok(stream::unfold(following, |mut following| async {
-            let item = following.next().await?;
-            Some((item, following))
-        })
-        .boxed())
+        follow(self, url, after).await
     }
+
+    /// What happens to an evolution: the generations behind `after` (so many have ended; all of them without), the
+    /// state as it is now, then each generation and each change of state. It ends after the state in which the
+    /// evolution ended.
+    ///
+    /// It reconnects as [`Client::events`] does, also to a server that was started anew, and misses no generation.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the evolution is not known, and whatever [`Error`] tells.
+    pub async fn evolution_events(
+        &self,
+        evolution: &EvolutionId,
+        after: Option<u64>,
+    ) -> Result<EvolutionEvents, Error> {
+        let url = self.at(&["v1", "evolutions", evolution.as_str(), "events"]);
+        follow(self, url, after).await
+    }
+}
+
+async fn follow<E: Numbered>(
+    client: &Client,
+    url: Url,
+    after: Option<u64>,
+) -> Result<BoxStream<'static, Result<E, Error>>, Error> {
+    let mut following = Following {
+        what: format!("GET {url}"),
+        url,
+        client: client.clone(),
+        last: after,
+        failed: 0,
+        random: HasherRng::default(),
+        ready: VecDeque::new(),
+        link: Link::Broken,
+    };
+    following.connect().await?;
+    Ok(stream::unfold(following, |mut following| async {
+        let item = following.next().await?;
+        Some((item, following))
+    })
+    .boxed())
 }
 
 /// Where a stream of events has got.
@@ -95,7 +153,7 @@ enum Link {
 }
 
 impl Following {
-    async fn next(&mut self) -> Option<Result<Event, Error>> {
+    async fn next<E: Numbered>(&mut self) -> Option<Result<E, Error>> {
         loop {
             if let Some(message) = self.ready.pop_front() {
                 return Some(self.event(&message));
@@ -165,12 +223,16 @@ impl Following {
         Ok(())
     }
 
-    fn event(&mut self, message: &Message) -> Result<Event, Error> {
+    fn event<E: Numbered>(&mut self, message: &Message) -> Result<E, Error> {
         let named = message.id.as_ref().and_then(|id| id.parse().ok());
         self.last = named.or(self.last);
-        let event: Event = call::read(&self.what, message.data.as_bytes())?;
-        self.last = Some(event.id);
+        let event: E = call::read(&self.what, message.data.as_bytes())?;
+        self.last = Some(event.id());
         self.failed = 0;
+        if event.is_last() {
+            self.link = Link::Over;
+            self.ready.clear();
+        }
         Ok(event)
     }
 }
@@ -229,6 +291,56 @@ mod tests {
         let client = Client::new(&server.url).unwrap();
         let error = client.events(Some(&"a".parse().unwrap()), None).await.err().unwrap();
         assert!(error.to_string().contains("no event stream but application/json"), "{error}");
+    }
+
+    const GENERATION: &str = r#"{"id": 1, "evolution": "evolution-1", "type": "generation", "generation":
+        {"index": 0, "best_fitness": 1.5, "mean_fitness": 1, "prior": {}, "environments": []}}"#;
+
+    fn state(id: u64, state: &str) -> String {
+        let progress = format!(
+            r#"{{"stage": "generations", "generation": {id}, "generations": 2, "best_fitness": null, "mean_fitness": null,
+                 "episodes": 5, "total_episodes": 9, "elapsed_s": 1.5, "remaining_s": null}}"#
+        );
+        let event = format!(
+            r#"{{"id": {id}, "evolution": "evolution-1", "type": "state", "state": "{state}", "progress": {progress}, "error": null}}"#
+        );
+        format!("id: {id}\ndata: {}\n\n", event.replace('\n', ""))
+    }
+
+    #[tokio::test]
+    async fn an_evolution_is_followed_over_a_restart_until_it_has_ended() {
+        let seen = Arc::new(Mutex::new(Vec::new()));
+        let server = {
+            let seen = Arc::clone(&seen);
+            Server::start(move |request| {
+                assert_eq!(request.uri(), "/v1/evolutions/evolution-1/events");
+                let mut seen = seen.lock().unwrap();
+                seen.push(last_event_id(request.headers()));
+                let text = match seen.len() {
+                    1 => format!(
+                        "id: 1\ndata: {}\n\n{}",
+                        GENERATION.replace('\n', ""),
+                        state(1, "running")
+                    ),
+                    _ => state(1, "running") + &state(2, "succeeded") + &state(2, "running"),
+                };
+                let answer = answer(StatusCode::OK, "text/event-stream", &text);
+                async { answer }
+            })
+            .await
+        };
+        let client = Client::new(&server.url).unwrap();
+        let id = "evolution-1".parse().unwrap();
+        let events = client.evolution_events(&id, None).await.unwrap();
+        let told = events.map(|event| match event {
+            Ok(event) => format!("{} {}", event.kind.name(), event.id),
+            Err(error) => format!("transient {}", error.is_transient()),
+        });
+        // One more than it should have: a stream that does not end fails here rather than hangs.
+        let told: Vec<_> = told.take(6).collect().await;
+        let expected = ["generation 1", "state 1", "transient true", "state 1", "state 2"];
+        assert_eq!(told, expected);
+        assert_eq!(*seen.lock().unwrap(), [None, Some(1)]);
     }
 
     fn last_event_id(headers: &HeaderMap) -> Option<u64> {

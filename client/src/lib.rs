@@ -13,6 +13,8 @@ pub mod cli;
 mod client;
 mod error;
 mod events;
+mod evolve;
+mod pages;
 mod retry;
 mod sse;
 mod step;
@@ -21,6 +23,7 @@ mod test_server;
 
 pub use client::{Client, DEADLINE};
 pub use error::{Error, Failure};
-pub use events::{Events, SILENCE};
+pub use events::{Events, EvolutionEvents, SILENCE};
+pub use evolve::fresh_key;
 pub use step::{STEP_DEADLINE, StepConnection};
 pub use umwelt_api as api;

@@ -83,9 +83,9 @@ pub struct Evolution {
     pub interrupted: u64,
     /// When it was submitted, in seconds since 1970 by the server's clock.
     pub created_unix_s: u64,
-    /// Why it failed; null where it did not.
+    /// Why it failed, or what keeps it from going on; null where nothing does.
     pub error: Option<String>,
-    /// The name under which its champion was kept as a prior; null until then, and where none was asked for.
+    /// The name under which its champion was kept as a prior; null until then.
     pub prior: Option<PriorId>,
     /// What it found; null until it has succeeded.
     pub champion: Option<Champion>,

@@ -87,6 +87,8 @@ pub mod reason {
     pub const REPEATED: &str = "REPEATED";
     /// This key came with another body before.
     pub const IDEMPOTENCY_KEY_REUSED: &str = "IDEMPOTENCY_KEY_REUSED";
+    /// Something goes by this name already, or will.
+    pub const NAME_TAKEN: &str = "NAME_TAKEN";
     /// It is still waiting or going on; cancel it first.
     pub const NOT_ENDED: &str = "NOT_ENDED";
     /// It has ended already.

@@ -29,6 +29,12 @@ impl Answer {
         serde_json::from_str(&self.body).unwrap_or_default()
     }
 
+    /// Whether none of the body is missing.
+    fn is_whole(&self) -> bool {
+        let length = self.header("content-length").and_then(|length| length.parse().ok());
+        length.is_none_or(|length: usize| length == self.body.len())
+    }
+
     fn read(bytes: &[u8]) -> Option<Self> {
         let text = String::from_utf8_lossy(bytes);
         let (head, body) = text.split_once("\r\n\r\n")?;
@@ -51,6 +57,37 @@ pub async fn call(
     headers: &[(&str, &str)],
     body: &[u8],
 ) -> Answer {
+    let what = format!("{method} {path}");
+    let all = request(server, method, path, headers, body);
+    let bytes = wait::within(&what, SOON, send(server, &all)).await;
+    let said = String::from_utf8_lossy(&bytes);
+    Answer::read(&bytes).unwrap_or_else(|| panic!("{what}: no answer but {said:?}"))
+}
+
+/// The same of a server that may die meanwhile: none where no whole answer comes.
+///
+/// # Panics
+/// Where neither an answer nor an end comes.
+pub async fn attempt(
+    server: SocketAddr,
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: &[u8],
+) -> Option<Answer> {
+    let all = request(server, method, path, headers, body);
+    let bytes = wait::within(&format!("{method} {path}"), SOON, try_send(server, &all)).await?;
+    Answer::read(&bytes).filter(Answer::is_whole)
+}
+
+/// The bytes of a request.
+fn request(
+    server: SocketAddr,
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: &[u8],
+) -> Vec<u8> {
     let mut head = format!(
         "{method} {path} HTTP/1.1\r\nHost: {server}\r\nConnection: close\r\nContent-Length: {}\r\n",
         body.len()
@@ -62,11 +99,7 @@ pub async fn call(
         head.push_str(&format!("{name}: {value}\r\n"));
     }
     head.push_str("\r\n");
-    let all = [head.as_bytes(), body].concat();
-    let what = format!("{method} {path}");
-    let bytes = wait::within(&what, SOON, send(server, &all)).await;
-    let said = String::from_utf8_lossy(&bytes);
-    Answer::read(&bytes).unwrap_or_else(|| panic!("{what}: no answer but {said:?}"))
+    [head.as_bytes(), body].concat()
 }
 
 /// Sends `bytes` and returns everything that comes back until the server closes the connection.
@@ -74,10 +107,15 @@ pub async fn call(
 /// # Panics
 /// Where nobody listens.
 pub async fn send(server: SocketAddr, bytes: &[u8]) -> Vec<u8> {
-    let mut stream = TcpStream::connect(server).await.expect("the server listens");
+    try_send(server, bytes).await.expect("the server listens")
+}
+
+/// The same; none where nobody listens.
+async fn try_send(server: SocketAddr, bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut stream = TcpStream::connect(server).await.ok()?;
     // A server that refuses a body need not read it: what it says all the same is what counts.
     let _ = stream.write_all(bytes).await;
     let mut answer = Vec::new();
     let _ = stream.read_to_end(&mut answer).await;
-    answer
+    Some(answer)
 }

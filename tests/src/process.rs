@@ -148,6 +148,16 @@ impl Process {
         assert!(status.expect("kill runs").success(), "{} has ended", self.name);
     }
 
+    /// Kills it: SIGKILL, at once and without its help. It is gone on return.
+    ///
+    /// # Panics
+    /// Where it had ended by itself, or the system does not know it.
+    pub fn kill(&mut self) {
+        assert_eq!(self.ended(), None, "{} has ended by itself: {}", self.name, self.log());
+        self.child.kill().expect("it is our child");
+        self.child.wait().expect("it is our child");
+    }
+
     /// Its exit status, where it has ended.
     ///
     /// # Panics

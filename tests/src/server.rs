@@ -27,13 +27,22 @@ impl Server {
         Self::start_with(&[])
     }
 
-    /// The same with more flags.
+    /// The same with more flags. Where they name no data directory, it keeps everything in memory.
     ///
     /// # Panics
     /// Where it does not listen.
     pub fn start_with(flags: &[&str]) -> Self {
-        let process =
-            Process::start("umwelt-server", &[&["--listen", "127.0.0.1:0"], flags].concat());
+        Self::start_on("127.0.0.1:0", flags)
+    }
+
+    /// The same at an address of one's choice.
+    ///
+    /// # Panics
+    /// Where it does not listen.
+    pub fn start_on(listen: &str, flags: &[&str]) -> Self {
+        let memory: &[&str] = if flags.contains(&"--data") { &[] } else { &["--in-memory"] };
+        let flags = [&["--listen", listen], memory, flags].concat();
+        let process = Process::start("umwelt-server", &flags);
         let first = process.line(0).unwrap_or_default();
         let address = first.strip_prefix(LISTENING).and_then(|address| address.parse().ok());
         let address =

@@ -1,10 +1,11 @@
-//! `umwelt environment`.
+//! `umwelt environment`: what is identified of a robot's. The simulated ones by name are in [`training`].
 
 use super::failure::Failure;
 use super::output::Output;
 use super::progress::{PATIENCE, StatusLine, wait};
 use super::quantity::{UNKNOWN, milliseconds, or_unknown, percent, span};
 use super::table::{Column, Table};
+use super::training;
 use crate::client::Client;
 use clap::Subcommand;
 use std::fmt::Write;
@@ -16,7 +17,7 @@ use umwelt_api::robot::Method;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Show what was learned, and how sure it is
+    /// Show what was learned of the floor and the link of a robot, how sure it is, and from which prior
     #[command(after_help = ABOUT)]
     Show {
         /// The robot
@@ -39,7 +40,17 @@ pub(super) enum Command {
         #[arg(value_name = "ID")]
         robot: RobotId,
     },
+    #[command(flatten)]
+    Simulated(training::Command),
 }
+
+pub(super) const WHICH: &str = "\
+Two kinds of environments: that in which a robot is, as identified from its motion (show, watch, reset), and the
+simulated ones with names, in which priors are evolved (list, describe, put, remove).
+
+Examples:
+  umwelt environment show rover-7
+  umwelt environment describe slippery";
 
 const ABOUT: &str = "\
 A channel is the ratio of an error to the commanded motion: forward and lateral error per metre, heading error per
@@ -72,6 +83,7 @@ impl Command {
                 let environment = wait(client.reset_environment(&robot)).await?;
                 output.result(&environment, |environment| show(&robot, environment))
             }
+            Self::Simulated(command) => command.run(client, output).await,
         }
     }
 }
@@ -141,6 +153,8 @@ fn show(robot: &RobotId, environment: &Environment) -> String {
     }
     // Writing to a String cannot fail.
     let _ = write!(text, "{table}\n{}", link(&environment.link, &level));
+    let prior = environment.prior.name.as_ref().map_or("the robot's own", |name| name.as_str());
+    let _ = writeln!(text, "prior    {prior}: {}", environment.prior.why);
     let Environment { windows_rejected, poses_set_aside, .. } = environment;
     let _ = writeln!(
         text,
@@ -203,7 +217,8 @@ fn method(method: Method) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umwelt_api::environment::Channels;
+    use umwelt_api::environment::{Channels, Prior};
+    use umwelt_api::prior::Source;
 
     fn environment() -> Environment {
         let slippery = Channel {
@@ -247,6 +262,7 @@ mod tests {
             },
             windows_rejected: 3,
             poses_set_aside: 1,
+            prior: Prior::of("wet-hall".parse().ok(), Source::Put, Method::Bayesian),
         }
     }
 
@@ -264,6 +280,7 @@ drift (not used)  rad/m     0.0000       -                   -                  
 link     loop delay: median 212 ms, 99 % of those not late within 480 ms
 late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 %
 note     no late packet in 12 deliveries says little yet
+prior    wet-hall: the description of the robot names wet-hall, which somebody put
 motion   3 windows without constant motion gave no sample, 1 poses set aside
 ");
     }
@@ -273,7 +290,9 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
         let mut environment = environment();
         environment.link.median_s = None;
         environment.link.note = None;
+        environment.prior = Prior::of(None, Source::Inline, Method::Statistic);
         let text = show(&"a".parse().unwrap(), &environment);
+        assert!(text.contains("prior    the robot's own: the description"), "{text}");
         assert!(text.contains("no reply delivered yet") && !text.contains("note"), "{text}");
     }
 

@@ -32,6 +32,16 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
+/// A body in JSON without the fields that are the server's to say: what `show` prints can be put again.
+pub(super) fn without(json: Vec<u8>, given_by_server: &[&str]) -> Vec<u8> {
+    let Ok(Value::Object(mut fields)) = serde_json::from_slice(&json) else {
+        // Whoever reads it says what is wrong with it.
+        return json;
+    };
+    fields.retain(|name, _| !given_by_server.contains(&name.as_str()));
+    Value::Object(fields).to_string().into_bytes()
+}
+
 /// What to call a file in messages.
 pub(super) fn name(path: &Path) -> String {
     if path.as_os_str() == STANDARD_INPUT {
@@ -74,6 +84,15 @@ mod tests {
         for text in ["", "1", "1;2", "1,2,3", "a,b", "1,", "nan,0", "0,inf"] {
             assert!(waypoint(text).unwrap_err().contains("as 0.2,-0.1"), "{text}");
         }
+    }
+
+    #[test]
+    fn only_what_the_server_says_is_left_out() {
+        let json =
+            br#"{"etag": "1", "note": "x", "prior": {"etag": 0.30000000000000004}}"#.to_vec();
+        let left: Value = serde_json::from_slice(&without(json, &["etag"])).unwrap();
+        assert_eq!(left, serde_json::json!({"note": "x", "prior": {"etag": 0.30000000000000004}}));
+        assert_eq!(without(b"nonsense".to_vec(), &["etag"]), b"nonsense");
     }
 
     #[test]

@@ -12,8 +12,8 @@ use futures_util::TryStreamExt;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
-use umwelt_api::RobotId;
-use umwelt_api::robot::{Attribution, Method, Page, Robot, Spec, State};
+use umwelt_api::robot::{Attribution, Method, Page, PriorChoice, Robot, Spec, State};
+use umwelt_api::{PriorId, RobotId};
 
 const METHODS: &[&str] = &["fixed-normal", "fixed-bad", "statistic", "bayesian"];
 const ATTRIBUTIONS: &[&str] = &["sent", "played"];
@@ -51,6 +51,7 @@ otherwise before. `umwelt --json robot show ID | jq .spec` makes a file.
 Examples:
   umwelt robot add rover-7
   umwelt robot add rover-7 --method statistic --slots 1
+  umwelt robot add rover-7 --prior wet-hall
   umwelt robot add rover-7 --file spec.json --lag 0.12
   jq .rover spec.json | umwelt robot add rover-7 --file -";
 
@@ -86,6 +87,9 @@ pub(super) struct Add {
     /// Standard deviation of an observed heading
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     heading_noise: Option<f64>,
+    /// What the robot believes of the floor before any sample: a name of `umwelt prior list`
+    #[arg(long, value_name = "NAME")]
+    prior: Option<PriorId>,
     /// Distance to a waypoint at which the robot stops
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     stop_radius: Option<f64>,
@@ -176,6 +180,7 @@ impl Add {
         replace(&mut spec.watchdog_s, self.watchdog);
         replace(&mut spec.noise.position_m, self.position_noise);
         replace(&mut spec.noise.heading_rad, self.heading_noise);
+        replace(&mut spec.prior, self.prior.as_ref().map(PriorChoice::from));
         replace(&mut spec.steering.stop_radius_m, self.stop_radius);
         let (drive, flags) = (&mut spec.drive, &self.drive);
         replace(&mut drive.wheel_radius_m, flags.wheel_radius);
@@ -189,7 +194,7 @@ impl Add {
         replace(&mut drive.max_angular_acceleration_rad_per_s2, flags.max_turn_acceleration);
         replace(&mut drive.lag_s, flags.lag);
         replace(&mut drive.dead_time_s, flags.dead_time);
-        spec.to_core().map_err(|problems| Failure::wrong_body(&source, &problems))?;
+        spec.validate().map_err(|problems| Failure::wrong_body(&source, &problems))?;
         Ok(spec)
     }
 }
@@ -250,7 +255,7 @@ fn show(robot: &Robot) -> String {
     }
     text.push_str("described as\n");
     let mut fields = Vec::new();
-    flatten("", &serde_json::to_value(robot.spec).unwrap_or_default(), &mut fields);
+    flatten("", &serde_json::to_value(&robot.spec).unwrap_or_default(), &mut fields);
     let width = fields.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (name, value) in fields {
         let _ = writeln!(text, "  {name:<width$}  {value}");
@@ -313,6 +318,7 @@ mod tests {
         expected.drive.lag_s = 0.12;
         expected.drive.max_linear_m_per_s = 0.2;
         assert_eq!(changed, expected);
+        assert_eq!(spec("--prior wet-hall").unwrap().prior.name(), Some("wet-hall"));
     }
 
     #[test]

@@ -188,3 +188,22 @@ fn the_champion_is_the_best_of_the_candidates_on_fresh_seeds() {
     evolution.tell(&evaluations).unwrap();
     assert_eq!(evolution.champion, Some(favourite));
 }
+
+/// The prior that is checked in is still what it was evolved for: careful on the bad link, and not for nothing.
+#[test]
+fn the_thesis_prior_halves_the_deviation_on_the_bad_link() {
+    let settings = EvolutionSettings::preset("thesis").unwrap();
+    let evolution = Evolution::new(settings).unwrap();
+    let drive = |prior| {
+        let mut evolution = evolution.clone();
+        evolution.stage = Stage::Selection;
+        evolution.candidates = vec![genome::of_prior(&prior, false)];
+        let jobs = evolution.jobs();
+        let bad = jobs.iter().filter(|job| job.environment == 1).take(60);
+        let evaluations: Vec<_> = bad.map(|job| evolution.evaluate(job)).collect();
+        assert!(evaluations.iter().all(|it| it.arrived && it.time <= 60.0));
+        evaluations.iter().map(|it| it.deviation).sum::<f64>() / 60.0
+    };
+    let [careful, weak] = [Prior::thesis(), Prior::default()].map(drive);
+    assert!(careful < 0.6 * weak, "{careful} {weak}");
+}

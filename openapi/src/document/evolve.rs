@@ -86,12 +86,12 @@ pub(super) fn evolutions() -> Vec<Route> {
     vec![
         Route::post("/v1/evolutions", "submit_evolution", "Search for a prior in the background")
             .tag("evolutions")
-            .about("What is left out comes from the preset. With an `Idempotency-Key` the same body sent again gives the same evolution again, also after a restart of the server; another body under the same key is FAILED_PRECONDITION with IDEMPOTENCY_KEY_REUSED. RESOURCE_EXHAUSTED where too many wait already.")
+            .about("What is left out comes from the preset. With an `Idempotency-Key` the same body sent again gives the same evolution again, also after a restart of the server; another body under the same key is FAILED_PRECONDITION with IDEMPOTENCY_KEY_REUSED. A key is remembered as long as its evolution is there. ALREADY_EXISTS with NAME_TAKEN where the name for the champion is taken. RESOURCE_EXHAUSTED where too many wait already.")
             .idempotency_key()
             .takes::<evolution::Request>()
             .gives::<evolution::Evolution>(200, "This key and body gave this evolution before")
             .creates::<evolution::Evolution>("It waits for its turn")
-            .fails(&[400, 429, 503]),
+            .fails(&[400, 409, 429, 503]),
         Route::get("/v1/evolutions/{evolution}", "get_evolution", "Show an evolution")
             .tag("evolutions")
             .gives::<evolution::Evolution>(200, "How far it has got, and what it found")

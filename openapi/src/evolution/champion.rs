@@ -60,7 +60,8 @@ pub struct Entry {
     pub difference: Option<Estimate>,
     /// Each environment alone.
     pub environments: Vec<EnvironmentResult>,
-    /// What the difference says, in plain words; says so where the interval includes zero.
+    /// What the difference says, in plain words; says so where the interval includes zero, and where the champion is
+    /// worse in a single environment.
     pub verdict: String,
 }
 
@@ -89,9 +90,65 @@ pub(super) fn verdict(name: &str, difference: Option<Estimate>) -> String {
     format!("the champion is {better} than {name} by {by:.3} ({low:.3} to {high:.3})")
 }
 
+impl Entry {
+    /// Environments in which this one is fitter than `champion`, whatever the mean over all of them says: those in which
+    /// the two intervals are apart. Gives the champion's result and this one's.
+    pub fn fitter_in<'a>(
+        &'a self,
+        champion: &'a Self,
+    ) -> impl Iterator<Item = (&'a EnvironmentResult, &'a EnvironmentResult)> {
+        let both = champion.environments.iter().zip(&self.environments);
+        both.filter(|(of_champion, this)| of_champion.fitness.high < this.fitness.low)
+    }
+}
+
+/// Adds to each verdict what the champion, the first entry, pays in single environments.
+pub(super) fn add_prices(entries: &mut [Entry]) {
+    let Some((champion, others)) = entries.split_first_mut() else { return };
+    for entry in others {
+        let prices: String = entry
+            .fitter_in(champion)
+            .map(|(champion, this)| {
+                let (name, paid, kept) =
+                    (&champion.environment, champion.fitness.mean, this.fitness.mean);
+                format!("; in {name} it is worse, {paid:.3} against {kept:.3}")
+            })
+            .collect();
+        entry.verdict += &prices;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The bug to fear: a mean that is better, and nobody is told that it is bought with one environment.
+    #[test]
+    fn a_verdict_names_the_environments_that_pay_for_it() {
+        let estimate = |mean| Estimate { mean, low: mean - 0.1, high: mean + 0.1 };
+        let entry = |name: &str, normal, bad| Entry {
+            name: name.to_owned(),
+            prior: robot::Prior::default(),
+            fitness: estimate(normal + bad),
+            difference: None,
+            environments: [("normal", normal), ("bad-link", bad)]
+                .map(|(environment, mean)| EnvironmentResult {
+                    environment: environment.to_owned(),
+                    fitness: estimate(mean),
+                    time_s: 10.0,
+                    deviation_m: 0.01,
+                    arrived: 1.0,
+                })
+                .into(),
+            verdict: "better".to_owned(),
+        };
+        let mut entries =
+            [entry("champion", 0.3, 2.2), entry("default", 1.0, 0.9), entry("flat", 0.45, 0.9)];
+        add_prices(&mut entries);
+        let verdicts: Vec<_> = entries.iter().map(|entry| entry.verdict.as_str()).collect();
+        let priced = "better; in normal it is worse, 0.300 against 1.000";
+        assert_eq!(verdicts, ["better", priced, "better"], "0.3 and 0.45 are not apart");
+    }
 
     #[test]
     fn a_verdict_says_where_the_interval_includes_zero() {

@@ -1,6 +1,6 @@
 //! Between the wire and core: what a request and its preset mean, and what came of it.
 
-use super::champion::verdict;
+use super::champion::{self, verdict};
 use super::generation::GenerationEnvironment;
 use super::{Champion, Entry, EnvironmentResult, Estimate, Generation, Optimizer, Preset};
 use super::{Progress, Request, Spec, Stage, spec};
@@ -290,7 +290,11 @@ impl From<&evolution::Report> for Champion {
         Self {
             prior: core.champion.into(),
             trials: core.trials as u64,
-            entries: core.entries.iter().map(Entry::from).collect(),
+            entries: {
+                let mut entries: Vec<Entry> = core.entries.iter().map(Entry::from).collect();
+                champion::add_prices(&mut entries);
+                entries
+            },
         }
     }
 }

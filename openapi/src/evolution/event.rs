@@ -46,7 +46,7 @@ pub enum Kind {
         state: State,
         /// How far it has got.
         progress: Progress,
-        /// Why it failed; null where it did not.
+        /// Why it failed, or what keeps it from going on; null where nothing does.
         error: Option<String>,
     },
     /// Something of a later version.

@@ -103,7 +103,10 @@ async fn an_agent_whose_server_dies_stops_its_robot() {
     assert!(rests.time < killed + 3.0, "{} s after the server died", rests.time - killed);
     // A server that comes back without its robots: the agent says so and the robot rests.
     let listen = address.to_string();
-    let server = umwelt_tests::process::Process::start("umwelt-server", &["--listen", &listen]);
+    let server = umwelt_tests::process::Process::start(
+        "umwelt-server",
+        &["--in-memory", "--listen", &listen],
+    );
     assert!(server.line(0).is_some());
     let client = umwelt_tests::server::client(address);
     describe(&client, "rover-7").await;

@@ -1,34 +1,9 @@
 //! The programs as people call them: what they say, where they say it, and what they return.
 
 use serde_json::Value;
-use umwelt_tests::process::{Process, SOON};
 use umwelt_tests::rover::{Agent, Simulated, id};
+use umwelt_tests::said::{call, umwelt};
 use umwelt_tests::server::Server;
-
-/// What a program returned and said.
-struct Said {
-    code: Option<i32>,
-    output: Vec<String>,
-    log: String,
-}
-
-async fn call(program: &str, arguments: &[&str]) -> Said {
-    let mut process = Process::start(program, arguments);
-    let status = process.end(SOON).await;
-    Said { code: status.code(), output: process.lines(), log: process.log() }
-}
-
-/// Calls `umwelt --json` on `server`, which must succeed with one document on standard output and nothing else.
-async fn umwelt(server: &Server, arguments: &str) -> Value {
-    let url = server.url();
-    let all: Vec<&str> =
-        ["--server", &url, "--json"].into_iter().chain(arguments.split_whitespace()).collect();
-    let said = call("umwelt", &all).await;
-    assert_eq!(said.code, Some(0), "umwelt {arguments}: {}", said.log);
-    let text = said.output.join("\n");
-    serde_json::from_str(&text)
-        .unwrap_or_else(|error| panic!("umwelt {arguments}: {error}: {text}"))
-}
 
 /// The bug to fear: a command that works in its own tests and not against the server.
 #[tokio::test]
@@ -71,7 +46,7 @@ async fn what_fails_returns_1_what_was_wrong_returns_2_and_both_say_why() {
         ("umwelt", on("robot add rover-7 --slots 1000"), 2, "horizon_slots"),
         ("umwelt", on("robot fly rover-7"), 2, "fly"),
         ("umwelt", "--server nowhere robot list".to_owned(), 2, "nowhere"),
-        ("umwelt-server", format!("--listen {}", server.address), 1, "listen"),
+        ("umwelt-server", format!("--in-memory --listen {}", server.address), 1, "listen"),
         ("umwelt-server", "--listen here".to_owned(), 2, "here"),
         ("umwelt-agent", format!("--server {url} --robot Rover_7 --drive sim"), 2, "Rover_7"),
         ("umwelt-agent", format!("--server {url} --robot rover-7 --drive wings"), 2, "wings"),

@@ -8,7 +8,9 @@ mod agents;
 mod bad_input;
 mod command_line;
 mod connections;
+mod data;
 mod events;
+mod evolutions;
 mod operators;
 mod steps;
 

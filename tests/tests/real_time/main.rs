@@ -1,4 +1,4 @@
-//! Robots in real time: run alone and one at a time (`--test-threads=1`), in about a minute.
+//! Robots in real time: run alone and one at a time (`--test-threads=1`), in about two minutes.
 //!
 //! Where a test waits for a fixed time, that is how long a fault lasts, not a hope that something has happened.
 
@@ -6,6 +6,7 @@
 
 mod agreement;
 mod fleet;
+mod kills;
 mod outage;
 mod pause;
 mod pipe;

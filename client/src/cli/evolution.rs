@@ -1,0 +1,251 @@
+//! `umwelt evolution`.
+
+mod plot;
+pub(super) mod report;
+pub(super) mod watch;
+
+use super::failure::Failure;
+use super::input;
+use super::output::Output;
+use super::progress::{say, wait};
+use super::quantity::{UNKNOWN, millimetres, or_unknown, percent, span};
+use super::table::{Column, Table};
+use crate::client::Client;
+use clap::Subcommand;
+use futures_util::TryStreamExt;
+use serde_json::json;
+use std::fmt::Write;
+use umwelt_api::EvolutionId;
+use umwelt_api::evolution::{Evolution, GenerationsPage, Page, Progress, Spec, Stage, State};
+
+const STATES: &[&str] = &["queued", "running", "succeeded", "failed", "cancelled"];
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// List evolutions, the newest first
+    List {
+        /// Only evolutions in this state
+        #[arg(long, value_parser = input::named::<State>(STATES))]
+        state: Option<State>,
+    },
+    /// Show an evolution: what was asked for, how far it has got, what it found
+    #[command(after_help = report::ABOUT)]
+    Show {
+        /// The evolution
+        #[arg(value_name = "ID")]
+        evolution: EvolutionId,
+    },
+    /// Show progress until it has ended, then what it found; Ctrl-C ends the watching alone
+    #[command(after_help = "Example:\n  umwelt evolution watch evolution-12")]
+    Watch {
+        /// The evolution
+        #[arg(value_name = "ID")]
+        evolution: EvolutionId,
+    },
+    /// List the generations of an evolution, environment by environment
+    #[command(after_help = "\
+Example:
+  umwelt --json evolution generations evolution-12 | jq -r '.generations[] | [.index, .best_fitness] | @csv'")]
+    Generations {
+        /// The evolution
+        #[arg(value_name = "ID")]
+        evolution: EvolutionId,
+    },
+    /// Write its figures as SVG: deviation and time, best and mean of each generation
+    #[command(after_help = plot::ABOUT)]
+    Plot(plot::Plot),
+    /// Cancel an evolution; its generations stay
+    Cancel {
+        /// The evolution
+        #[arg(value_name = "ID")]
+        evolution: EvolutionId,
+    },
+    /// Remove an evolution that has ended, with its generations; a prior that it found stays
+    Remove {
+        /// The evolution
+        #[arg(value_name = "ID")]
+        evolution: EvolutionId,
+    },
+}
+
+impl Command {
+    pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
+        match self {
+            Self::List { state } => {
+                let evolutions: Vec<Evolution> =
+                    wait(client.evolutions(state).try_collect()).await?;
+                if evolutions.is_empty() {
+                    say("no evolutions; submit one: umwelt evolve");
+                }
+                output.result(&Page { evolutions, next_page_token: None }, list)
+            }
+            Self::Show { evolution } => {
+                output.result(&wait(client.get_evolution(&evolution)).await?, show)
+            }
+            Self::Watch { evolution } => {
+                let evolution = wait(client.get_evolution(&evolution)).await?;
+                watch::watch(client, output, evolution).await
+            }
+            Self::Generations { evolution } => {
+                let generations = wait(client.generations(&evolution).try_collect()).await?;
+                let page = GenerationsPage { generations, next_page_token: None };
+                if page.generations.is_empty() {
+                    say(&format!("no generation of {evolution} has ended yet"));
+                }
+                output.result(&page, generations_table)
+            }
+            Self::Plot(plot) => plot.run(client, output).await,
+            Self::Cancel { evolution } => {
+                let cancelled = wait(client.cancel_evolution(&evolution)).await?;
+                output.result(&cancelled, |it| format!("{} is cancelled", it.evolution))
+            }
+            Self::Remove { evolution } => {
+                wait(client.delete_evolution(&evolution)).await?;
+                let answer = json!({ "evolution": evolution, "removed": true });
+                output.result(&answer, |_| format!("{evolution} is removed"))
+            }
+        }
+    }
+}
+
+/// How far an evolution has got, as `generation 5/30, best 1.320, mean 1.104, 12.0 s left`.
+fn progress(progress: &Progress) -> String {
+    let Progress { generation, generations, .. } = progress;
+    let mut text = match progress.stage {
+        Stage::Queued => "waiting for its turn".to_owned(),
+        Stage::Reference => "driving the fixed model that sets the unit of fitness".to_owned(),
+        Stage::Generations => format!("generation {generation}/{generations}"),
+        Stage::Selection => "choosing the champion on fresh seeds".to_owned(),
+        Stage::Report => "measuring the champion on third seeds".to_owned(),
+        Stage::Done => format!("{generations} generations"),
+    };
+    if let (Some(best), Some(mean)) = (progress.best_fitness, progress.mean_fitness) {
+        let _ = write!(text, ", best {best:.3}, mean {mean:.3}");
+    }
+    match progress.remaining_s {
+        Some(seconds) if progress.stage != Stage::Done => {
+            let _ = write!(text, ", {} left", span(seconds));
+        }
+        _ => {}
+    }
+    text
+}
+
+fn list(page: &Page) -> String {
+    if page.evolutions.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new([
+        Column::Text("EVOLUTION"),
+        Column::Text("STATE"),
+        Column::Number("GENERATION"),
+        Column::Number("BEST"),
+        Column::Number("MEAN"),
+        Column::Number("RAN FOR"),
+        Column::Text("OPTIMIZER"),
+        Column::Number("SEED"),
+        Column::Text("PRIOR"),
+    ]);
+    for evolution in &page.evolutions {
+        let Evolution { progress, spec, .. } = evolution;
+        let fitness = |value| or_unknown(value, |value: f64| format!("{value:.3}"));
+        table.row([
+            evolution.evolution.to_string(),
+            evolution.state.name().to_owned(),
+            format!("{}/{}", progress.generation, progress.generations),
+            fitness(progress.best_fitness),
+            fitness(progress.mean_fitness),
+            span(progress.elapsed_s),
+            spec.optimizer.name().to_owned(),
+            spec.seed.to_string(),
+            or_unknown(evolution.prior.as_ref(), ToString::to_string),
+        ]);
+    }
+    table.to_string()
+}
+
+fn show(evolution: &Evolution) -> String {
+    let Evolution { evolution: id, state, spec, progress: at, .. } = evolution;
+    let mut text = format!("{id}: {}, {}\n", state.name(), progress(at));
+    if let Some(error) = &evolution.error {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "  error        {error}");
+    }
+    let restarts = match evolution.interrupted {
+        0 => String::new(),
+        1 => ", resumed after one restart of the server".to_owned(),
+        count => format!(", resumed after {count} restarts of the server"),
+    };
+    let episodes =
+        format!("{} of {}, {}{restarts}", at.episodes, at.total_episodes, span(at.elapsed_s));
+    let lines = [
+        ("environments", spec.environments.join(", ")),
+        ("search", search(spec)),
+        ("episodes", episodes),
+        ("prior", kept(evolution)),
+    ];
+    for (name, value) in lines {
+        let _ = writeln!(text, "  {name:<12} {value}");
+    }
+    if let Some(champion) = &evolution.champion {
+        let _ = write!(text, "\n{}", report::text(champion));
+    }
+    text
+}
+
+fn search(spec: &Spec) -> String {
+    let Spec { population, generations, trials, seed, horizon_slots, .. } = spec;
+    format!(
+        "{}, {generations} generations of {population}, {trials} trials each, seed {seed}, {horizon_slots} slots",
+        spec.optimizer.name()
+    )
+}
+
+/// Under what name the champion is kept.
+fn kept(evolution: &Evolution) -> String {
+    match (&evolution.prior, &evolution.spec.prior) {
+        (Some(name), _) => format!("{name}; use it: umwelt robot add ID --prior {name}"),
+        (None, Some(name)) if !evolution.state.has_ended() => {
+            format!("{name}, once there is a champion")
+        }
+        (None, Some(name)) => format!("none; it was to be {name}"),
+        (None, None) => UNKNOWN.to_owned(),
+    }
+}
+
+fn generations_table(page: &GenerationsPage) -> String {
+    if page.generations.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new([
+        Column::Number("GENERATION"),
+        Column::Number("BEST"),
+        Column::Number("MEAN"),
+        Column::Text("ENVIRONMENT"),
+        Column::Number("BEST DEVIATION"),
+        Column::Number("MEAN DEVIATION"),
+        Column::Number("BEST TIME"),
+        Column::Number("MEAN TIME"),
+        Column::Number("ARRIVED"),
+    ]);
+    for generation in &page.generations {
+        for (index, environment) in generation.environments.iter().enumerate() {
+            let once = |text: String| if index == 0 { text } else { String::new() };
+            table.row([
+                once(generation.index.to_string()),
+                once(format!("{:.3}", generation.best_fitness)),
+                once(format!("{:.3}", generation.mean_fitness)),
+                environment.environment.clone(),
+                millimetres(environment.best_deviation_m),
+                millimetres(environment.mean_deviation_m),
+                format!("{:.1} s", environment.best_time_s),
+                format!("{:.1} s", environment.mean_time_s),
+                percent(environment.arrived),
+            ]);
+        }
+    }
+    table.to_string()
+}
+
+#[cfg(test)]
+mod tests;

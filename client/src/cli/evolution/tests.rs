@@ -1,0 +1,176 @@
+//! How evolutions are shown.
+
+use super::*;
+use crate::evolve::tests::EVOLUTION;
+use umwelt_api::evolution::{
+    Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment,
+};
+use umwelt_api::robot::Prior;
+
+fn evolution() -> Evolution {
+    serde_json::from_str(EVOLUTION).unwrap()
+}
+
+fn estimate(mean: f64, half: f64) -> Estimate {
+    Estimate { mean, low: mean - half, high: mean + half }
+}
+
+fn entry(name: &str, fitness: f64, difference: Option<Estimate>) -> Entry {
+    let result = |environment: &str, fitness: f64| EnvironmentResult {
+        environment: environment.to_owned(),
+        fitness: estimate(fitness, 0.02),
+        time_s: 21.25,
+        deviation_m: 0.0123,
+        arrived: 0.995,
+    };
+    Entry {
+        name: name.to_owned(),
+        prior: Prior::default(),
+        fitness: estimate(fitness, 0.03),
+        difference,
+        environments: vec![result("normal", fitness), result("bad-link", 1.0)],
+        verdict: "in the words of the server".to_owned(),
+    }
+}
+
+fn champion() -> Champion {
+    Champion {
+        prior: Prior::default(),
+        trials: 400,
+        entries: vec![
+            entry("champion", 1.32, None),
+            entry("first-generation", 1.3, Some(estimate(0.02, 0.05))),
+            entry("default", 1.1, Some(estimate(0.22, 0.05))),
+            entry("flat", 1.4, Some(estimate(-0.08, 0.05))),
+        ],
+    }
+}
+
+#[test]
+fn a_report_says_where_the_interval_includes_zero() {
+    let text = report::text(&champion());
+    let expected = "\
+on 400 fresh trials in each environment, intervals hold with 95 %:
+PRIOR             FITNESS          WITHIN  CHAMPION MINUS THIS            WITHIN  VERDICT
+champion            1.320  1.290 .. 1.350                    -                 -
+first-generation    1.300  1.270 .. 1.330                0.020   -0.030 .. 0.070  includes zero: no difference shown
+default             1.100  1.070 .. 1.130                0.220    0.170 .. 0.270  the champion is better
+flat                1.400  1.370 .. 1.430               -0.080  -0.130 .. -0.030  the champion is worse; worse in normal
+";
+    assert!(text.starts_with(expected), "{text}");
+    let environments = "\
+ENVIRONMENT  PRIOR             FITNESS          WITHIN    TIME  DEVIATION  ARRIVED
+normal       champion            1.320  1.300 .. 1.340  21.2 s    12.3 mm   99.5 %
+             first-generation";
+    assert!(text.contains(environments), "{text}");
+    assert!(text.contains("\nforward  0.0000  1.000  4.000  4.500e-2  0.1500\n"), "{text}");
+}
+
+#[test]
+fn a_champion_that_just_touches_zero_has_shown_nothing() {
+    let mut champion = champion();
+    champion.entries.truncate(2);
+    for (low, high) in [(0.0, 0.1), (-0.1, 0.0)] {
+        champion.entries[1].difference = Some(Estimate { mean: (low + high) / 2.0, low, high });
+        assert!(report::text(&champion).contains("includes zero: no difference shown"));
+    }
+    champion.entries[1].difference = Some(Estimate { mean: 0.1, low: 1e-9, high: 0.2 });
+    assert!(!report::text(&champion).contains("includes zero"));
+}
+
+#[test]
+fn an_evolution_is_shown_with_what_was_asked_for_and_what_it_found() {
+    assert_eq!(
+        show(&evolution()),
+        "\
+evolution-12: queued, waiting for its turn
+  environments normal
+  search       genetic, 12 generations of 24, 2 trials each, seed 1, 1 slots
+  episodes     0 of 1000, 0.0 s
+  prior        mine, once there is a champion
+"
+    );
+    let succeeded = Evolution {
+        state: State::Succeeded,
+        interrupted: 2,
+        prior: "mine".parse().ok(),
+        champion: Some(champion()),
+        ..evolution()
+    };
+    let text = show(&succeeded);
+    assert!(text.contains("resumed after 2 restarts of the server"), "{text}");
+    assert!(text.contains("mine; use it: umwelt robot add ID --prior mine"), "{text}");
+    assert!(text.contains("VERDICT"), "{text}");
+    let error = Some("no space left".to_owned());
+    let failed = Evolution { state: State::Failed, error, ..evolution() };
+    assert!(show(&failed).contains("error        no space left\n"));
+    assert!(show(&failed).contains("none; it was to be mine"));
+}
+
+#[test]
+fn progress_says_generation_best_mean_and_time_left() {
+    let at = Progress {
+        stage: Stage::Generations,
+        generation: 5,
+        best_fitness: Some(1.32),
+        mean_fitness: Some(1.1041),
+        remaining_s: Some(12.34),
+        ..evolution().progress
+    };
+    assert_eq!(progress(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
+    let done = Progress { stage: Stage::Done, remaining_s: Some(0.0), ..at };
+    assert_eq!(progress(&done), "12 generations, best 1.320, mean 1.104");
+}
+
+#[test]
+fn evolutions_and_generations_are_tables() {
+    let running = Evolution {
+        state: State::Running,
+        progress: Progress {
+            generation: 5,
+            best_fitness: Some(1.32),
+            elapsed_s: 75.0,
+            ..evolution().progress
+        },
+        ..evolution()
+    };
+    let page = Page { evolutions: vec![running, evolution()], next_page_token: None };
+    assert_eq!(
+        list(&page),
+        "\
+EVOLUTION     STATE    GENERATION   BEST  MEAN  RAN FOR  OPTIMIZER  SEED  PRIOR
+evolution-12  running        5/12  1.320     -    1 min  genetic       1  -
+evolution-12  queued         0/12      -     -    0.0 s  genetic       1  -
+"
+    );
+    let environment = |name: &str| GenerationEnvironment {
+        environment: name.to_owned(),
+        best_deviation_m: 0.01,
+        mean_deviation_m: 0.0234,
+        best_time_s: 20.0,
+        mean_time_s: 31.57,
+        arrived: 0.75,
+    };
+    let generation = Generation {
+        index: 3,
+        best_fitness: 1.5,
+        mean_fitness: 1.25,
+        prior: Prior::default(),
+        environments: vec![environment("normal"), environment("bad-link")],
+    };
+    let page = GenerationsPage { generations: vec![generation], next_page_token: None };
+    assert_eq!(
+        generations_table(&page),
+        "\
+GENERATION   BEST   MEAN  ENVIRONMENT  BEST DEVIATION  MEAN DEVIATION  BEST TIME  MEAN TIME  ARRIVED
+         3  1.500  1.250  normal              10.0 mm         23.4 mm     20.0 s     31.6 s   75.0 %
+                          bad-link            10.0 mm         23.4 mm     20.0 s     31.6 s   75.0 %
+"
+    );
+    assert_eq!(list(&Page::default()) + &generations_table(&GenerationsPage::default()), "");
+}
+
+#[test]
+fn states_are_called_as_on_the_wire() {
+    assert_eq!(STATES, State::ALL.map(State::name));
+}

@@ -1,0 +1,195 @@
+//! `umwelt evolve`.
+
+use super::evolution::watch;
+use super::failure::Failure;
+use super::input;
+use super::output::Output;
+use super::progress::{say, wait};
+use crate::client::Client;
+use crate::error::Error;
+use crate::evolve::fresh_key;
+use clap::Args;
+use umwelt_api::evolution::{Evolution, Optimizer, Preset, Request, State};
+use umwelt_api::{EnvironmentId, IdempotencyKey, PriorId};
+
+const PRESETS: &[&str] = &["default", "thesis", "quick"];
+const OPTIMIZERS: &[&str] = &["genetic", "cma-es", "empirical-bayes"];
+
+/// What to evolve.
+#[derive(Debug, Args)]
+#[command(after_help = ABOUT)]
+pub(super) struct Evolve {
+    /// Where everything comes from that is not said: six environments, the thesis's two, or those two within seconds
+    #[arg(long, value_parser = input::named::<Preset>(PRESETS))]
+    preset: Option<Preset>,
+    /// Simulated environments, as `umwelt environment list` names them
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    environments: Option<Vec<EnvironmentId>>,
+    /// How the prior is searched for
+    #[arg(long, value_parser = input::named::<Optimizer>(OPTIMIZERS))]
+    optimizer: Option<Optimizer>,
+    /// Individuals of a generation, 2 to 1000
+    #[arg(long, value_name = "N")]
+    population: Option<u64>,
+    /// Generations, 1 to 1000
+    #[arg(long, value_name = "N")]
+    generations: Option<u64>,
+    /// Trials of each individual in each environment, 1 to 100
+    #[arg(long, value_name = "N")]
+    trials: Option<u64>,
+    /// Seed of everything random: the same gives the same champion
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// The fittest that go on as they are, fewer than the population; none in the thesis
+    #[arg(long, value_name = "N")]
+    elites: Option<u64>,
+    /// Slots of 30 ms per reply; 1 is the thesis
+    #[arg(long, value_name = "N")]
+    slots: Option<u64>,
+    /// Keep the champion as a prior of this name
+    #[arg(long, value_name = "NAME")]
+    prior: Option<PriorId>,
+    /// Submit it once, however often this is run with the same key; a random one otherwise
+    #[arg(long, value_name = "KEY")]
+    idempotency_key: Option<IdempotencyKey>,
+    /// Show progress until it has ended, then what it found
+    #[arg(long)]
+    watch: bool,
+}
+
+const ABOUT: &str = "\
+An evolution runs on the server, at low priority, one at a time, and outlives its restarts. With --watch the exit
+status is 0 once it has succeeded; Ctrl-C ends the watching, not the evolution. With --json --watch each event is a
+line, the evolution with its report the last one.
+
+Examples:
+  umwelt evolve --preset quick --watch
+  umwelt evolve --environments normal,slippery --generations 60 --seed 7 --prior wet-hall
+  umwelt --json evolve --preset thesis | jq -r .evolution";
+
+impl Evolve {
+    pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
+        let request = self.request()?;
+        let key = self.idempotency_key.unwrap_or_else(fresh_key);
+        let submitted = wait(client.submit_evolution(&request, Some(&key))).await;
+        let evolution = submitted.map_err(|error| refused(error, &key))?;
+        if !self.watch {
+            return output.result(&evolution, accepted);
+        }
+        say(&accepted(&evolution));
+        watch::watch(client, output, evolution).await
+    }
+
+    fn request(&self) -> Result<Request, Failure> {
+        let environments = self.environments.as_ref();
+        let request = Request {
+            preset: self.preset,
+            environments: environments.map(|names| names.iter().map(ToString::to_string).collect()),
+            optimizer: self.optimizer,
+            population: self.population,
+            generations: self.generations,
+            trials: self.trials,
+            seed: self.seed,
+            elites: self.elites,
+            horizon_slots: self.slots,
+            prior: self.prior.as_ref().map(ToString::to_string),
+            ..Request::default()
+        };
+        request.validate().map_err(|problems| Failure::wrong_body("the evolution", &problems))?;
+        Ok(request)
+    }
+}
+
+/// Why it was not submitted; where it may have been all the same, how to find out without a second one.
+fn refused(error: Error, key: &IdempotencyKey) -> Failure {
+    let unsure = matches!(error, Error::Transport { .. });
+    match Failure::from(error) {
+        Failure::Failed(text) if unsure => Failure::Failed(format!(
+            "{text}\n  the same again with --idempotency-key {key} submits it no more than once"
+        )),
+        failure => failure,
+    }
+}
+
+fn accepted(evolution: &Evolution) -> String {
+    let id = &evolution.evolution;
+    let state = match evolution.state {
+        State::Queued => "waits for its turn",
+        State::Running => "goes on",
+        State::Succeeded => "has succeeded",
+        State::Failed => "has failed",
+        State::Cancelled => "was cancelled",
+    };
+    format!("{id} {state}; watch it: umwelt evolution watch {id}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use serde_json::Value;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        evolve: Evolve,
+    }
+
+    fn request(flags: &str) -> Result<Request, Failure> {
+        Line::parse_from(format!("evolve {flags}").split_whitespace()).evolve.request()
+    }
+
+    #[test]
+    fn flags_say_what_they_say_and_nothing_else() {
+        assert_eq!(request("").unwrap(), Request::default());
+        let all = "--preset quick --environments normal,bad-link --optimizer cma-es --population 20 --generations 5 \
+                   --trials 3 --seed 7 --elites 2 --slots 4 --prior wet-hall";
+        let expected = Request {
+            preset: Some(Preset::Quick),
+            environments: Some(vec!["normal".to_owned(), "bad-link".to_owned()]),
+            optimizer: Some(Optimizer::CmaEs),
+            population: Some(20),
+            generations: Some(5),
+            trials: Some(3),
+            seed: Some(7),
+            elites: Some(2),
+            horizon_slots: Some(4),
+            prior: Some("wet-hall".to_owned()),
+            ..Request::default()
+        };
+        assert_eq!(request(all).unwrap(), expected);
+    }
+
+    #[test]
+    fn every_flag_out_of_range_is_told_at_once() {
+        let wrong = request("--population 1 --trials 0 --slots 68 --environments normal,normal");
+        let Err(Failure::Wrong(text)) = wrong else { panic!("it is a wrong call") };
+        assert!(text.starts_with("the evolution is wrong in 4 places"), "{text}");
+        for field in ["population is 1", "trials is 0", "horizon_slots is 68", "environments[1] is"]
+        {
+            assert!(text.contains(field), "{text}");
+        }
+    }
+
+    #[test]
+    fn names_of_choices_are_those_of_the_wire() {
+        let read = |name: &&str| Value::String((*name).to_owned());
+        assert!(PRESETS.iter().map(read).all(|it| serde_json::from_value::<Preset>(it).is_ok()));
+        assert!(
+            OPTIMIZERS.iter().map(read).all(|it| serde_json::from_value::<Optimizer>(it).is_ok())
+        );
+    }
+
+    #[test]
+    fn who_cannot_know_whether_it_was_submitted_is_told_the_key() {
+        let key = "k-1".parse().unwrap();
+        let what: Box<str> = "POST http://h/v1/evolutions".into();
+        let cause = "reset".to_owned();
+        let lost = Error::Transport { what: what.clone(), failure: crate::Failure::Closed, cause };
+        let Failure::Failed(text) = refused(lost, &key) else { panic!("the call was right") };
+        assert!(text.contains("--idempotency-key k-1"), "{text}");
+        let foreign = Error::Protocol { what, why: "w".to_owned() };
+        let Failure::Failed(text) = refused(foreign, &key) else { panic!("the call was right") };
+        assert!(!text.contains("k-1"), "{text}");
+    }
+}

@@ -1,0 +1,271 @@
+//! Priors, simulated environments and evolutions: one method per route.
+
+use crate::call::Call;
+use crate::client::Client;
+use crate::error::Error;
+use crate::pages::{self, add_query};
+use crate::retry::MAX_RETRIES;
+use futures_util::stream::BoxStream;
+use reqwest::{Method, Url};
+use tower::util::rng::{HasherRng, Rng};
+use umwelt_api::evolution::{self, Evolution, Figure, Generation, GenerationsPage};
+use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
+use umwelt_api::prior::{self, Prior};
+use umwelt_api::training;
+use umwelt_api::{EnvironmentId, EvolutionId, IdempotencyKey, PriorId};
+
+/// Evolutions of a page, of which each may have a report of some tens of kilobytes.
+const EVOLUTIONS_SIZE: u64 = 50;
+
+/// An idempotency key that nobody else has: 128 random bits.
+///
+/// # Panics
+/// Never: hexadecimal digits are a key.
+pub fn fresh_key() -> IdempotencyKey {
+    let mut random = HasherRng::new();
+    let key = format!("{:016x}{:016x}", random.next_u64(), random.next_u64());
+    key.parse().expect("hexadecimal digits are visible ASCII")
+}
+
+impl Client {
+    /// Names a prior, for the first time or anew.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it comes with the server or robots use it, and whatever [`Error`] tells.
+    pub async fn put_prior(&self, prior: &PriorId, spec: &prior::Spec) -> Result<Prior, Error> {
+        self.put(self.at(&["v1", "priors", prior.as_str()]), spec).await
+    }
+
+    /// A prior, where it comes from and which robots use it.
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn get_prior(&self, prior: &PriorId) -> Result<Prior, Error> {
+        self.get(self.at(&["v1", "priors", prior.as_str()])).await
+    }
+
+    /// Removes a prior.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it comes with the server or robots use it, NOT_FOUND where it is not known, and
+    /// whatever [`Error`] tells.
+    pub async fn delete_prior(&self, prior: &PriorId) -> Result<(), Error> {
+        self.delete(self.at(&["v1", "priors", prior.as_str()])).await
+    }
+
+    /// One page of the priors, in the order of their names. [`Client::priors`] walks over all pages.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn list_priors(&self, query: &PageQuery) -> Result<prior::Page, Error> {
+        self.get(self.paged(&["v1", "priors"], query)).await
+    }
+
+    /// All priors, in the order of their names. An error ends the stream.
+    pub fn priors(&self) -> BoxStream<'static, Result<Prior, Error>> {
+        let client = self.clone();
+        pages::all(format!("GET {}", self.at(&["v1", "priors"])), move |page_token| {
+            let client = client.clone();
+            async move {
+                let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token };
+                let page = client.list_priors(&query).await?;
+                Ok((page.priors, page.next_page_token))
+            }
+        })
+    }
+
+    /// Names a simulated environment, for the first time or anew.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it comes with the server, and whatever [`Error`] tells.
+    pub async fn put_training_environment(
+        &self,
+        environment: &EnvironmentId,
+        spec: &training::Spec,
+    ) -> Result<training::Environment, Error> {
+        self.put(self.at(&["v1", "environments", environment.as_str()]), spec).await
+    }
+
+    /// A simulated environment; what is identified of a robot's is [`Client::environment`].
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn get_training_environment(
+        &self,
+        environment: &EnvironmentId,
+    ) -> Result<training::Environment, Error> {
+        self.get(self.at(&["v1", "environments", environment.as_str()])).await
+    }
+
+    /// Removes a simulated environment.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it comes with the server, NOT_FOUND where it is not known, and whatever [`Error`]
+    /// tells.
+    pub async fn delete_training_environment(
+        &self,
+        environment: &EnvironmentId,
+    ) -> Result<(), Error> {
+        self.delete(self.at(&["v1", "environments", environment.as_str()])).await
+    }
+
+    /// One page of the simulated environments, in the order of their names.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn list_training_environments(
+        &self,
+        query: &PageQuery,
+    ) -> Result<training::Page, Error> {
+        self.get(self.paged(&["v1", "environments"], query)).await
+    }
+
+    /// All simulated environments, in the order of their names. An error ends the stream.
+    pub fn training_environments(
+        &self,
+    ) -> BoxStream<'static, Result<training::Environment, Error>> {
+        let client = self.clone();
+        pages::all(format!("GET {}", self.at(&["v1", "environments"])), move |page_token| {
+            let client = client.clone();
+            async move {
+                let query = PageQuery { page_size: Some(training::MAX_PAGE_SIZE), page_token };
+                let page = client.list_training_environments(&query).await?;
+                Ok((page.environments, page.next_page_token))
+            }
+        })
+    }
+
+    /// Submits an evolution. Sent twice under one `key` it is one evolution; without one a [`fresh_key`] is taken, so
+    /// that the retries of this call are safe. To try again after an error, keep the key.
+    ///
+    /// # Errors
+    /// RESOURCE_EXHAUSTED where too many wait, FAILED_PRECONDITION where the key came with another request, and
+    /// whatever [`Error`] tells.
+    pub async fn submit_evolution(
+        &self,
+        request: &evolution::Request,
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Evolution, Error> {
+        let url = self.at(&["v1", "evolutions"]);
+        let call = self.call(Method::POST, url).with_json(request)?;
+        let idempotency_key = Some(key.cloned().unwrap_or_else(fresh_key));
+        self.typed(Call { idempotency_key, ..call }).await
+    }
+
+    /// How far an evolution has got, and what it found.
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn get_evolution(&self, evolution: &EvolutionId) -> Result<Evolution, Error> {
+        self.get(self.evolution(evolution, &[])).await
+    }
+
+    /// Removes an evolution with its generations; a prior that it found stays.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it has not ended, NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn delete_evolution(&self, evolution: &EvolutionId) -> Result<(), Error> {
+        self.delete(self.evolution(evolution, &[])).await
+    }
+
+    /// Cancels an evolution; what came of its generations stays.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it has ended otherwise, NOT_FOUND where it is not known, and whatever [`Error`]
+    /// tells.
+    pub async fn cancel_evolution(&self, evolution: &EvolutionId) -> Result<Evolution, Error> {
+        self.post(self.evolution(evolution, &["cancel"])).await
+    }
+
+    /// One page of the evolutions, the newest first. [`Client::evolutions`] walks over all pages.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn list_evolutions(
+        &self,
+        query: &evolution::PageQuery,
+    ) -> Result<evolution::Page, Error> {
+        let mut url = self.at(&["v1", "evolutions"]);
+        let state = query.state.map(evolution::State::name);
+        add_query(&mut url, query.page_size, query.page_token.as_deref(), state);
+        self.get(url).await
+    }
+
+    /// All evolutions, or those in one state, the newest first. An error ends the stream.
+    pub fn evolutions(
+        &self,
+        state: Option<evolution::State>,
+    ) -> BoxStream<'static, Result<Evolution, Error>> {
+        let client = self.clone();
+        pages::all(format!("GET {}", self.at(&["v1", "evolutions"])), move |page_token| {
+            let client = client.clone();
+            async move {
+                let page_size = Some(EVOLUTIONS_SIZE);
+                let query = evolution::PageQuery { page_size, page_token, state };
+                let page = client.list_evolutions(&query).await?;
+                Ok((page.evolutions, page.next_page_token))
+            }
+        })
+    }
+
+    /// One page of the generations of an evolution. [`Client::generations`] walks over all pages.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the evolution is not known, and whatever [`Error`] tells.
+    pub async fn list_generations(
+        &self,
+        evolution: &EvolutionId,
+        query: &PageQuery,
+    ) -> Result<GenerationsPage, Error> {
+        let path = ["v1", "evolutions", evolution.as_str(), "generations"];
+        self.get(self.paged(&path, query)).await
+    }
+
+    /// All generations of an evolution as far as they have ended, in their order. An error ends the stream.
+    pub fn generations(
+        &self,
+        evolution: &EvolutionId,
+    ) -> BoxStream<'static, Result<Generation, Error>> {
+        let (client, evolution) = (self.clone(), evolution.clone());
+        let what = format!("GET {}", self.evolution(&evolution, &["generations"]));
+        pages::all(what, move |page_token| {
+            let (client, evolution) = (client.clone(), evolution.clone());
+            async move {
+                let query = PageQuery { page_size: None, page_token };
+                let page = client.list_generations(&evolution, &query).await?;
+                Ok((page.generations, page.next_page_token))
+            }
+        })
+    }
+
+    /// A figure of an evolution, as SVG.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION before the first generation has ended, NOT_FOUND where the evolution is not known,
+    /// [`Error::Protocol`] where the answer is no text, and whatever [`Error`] tells.
+    pub async fn figure(&self, evolution: &EvolutionId, figure: Figure) -> Result<String, Error> {
+        let url = self.evolution(evolution, &["figures", figure.name()]);
+        let call = Call::new(Method::GET, url, self.allowed(), MAX_RETRIES);
+        let call = Call { accept: Figure::MEDIA_TYPE, ..call };
+        let what = call.what.clone();
+        let bytes = self.bytes(call).await?;
+        let svg = std::str::from_utf8(&bytes).ok().filter(|text| text.contains("<svg"));
+        svg.map(str::to_owned).ok_or_else(|| Error::Protocol {
+            what: what.as_ref().into(),
+            why: "the answer is no SVG".to_owned(),
+        })
+    }
+
+    fn evolution(&self, evolution: &EvolutionId, below: &[&str]) -> Url {
+        self.at(&[&["v1", "evolutions", evolution.as_str()], below].concat())
+    }
+
+    fn paged(&self, path: &[&str], query: &PageQuery) -> Url {
+        let mut url = self.at(path);
+        add_query(&mut url, query.page_size, query.page_token.as_deref(), None);
+        url
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;
