@@ -1,8 +1,12 @@
 //! What every route can reach.
 
 use crate::config::Config;
+use crate::evolution::Evolutions;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
+use crate::priors::Priors;
+use crate::store::Keeper;
+use crate::training::Environments;
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
 
@@ -10,22 +14,42 @@ use tokio::sync::{Semaphore, watch};
 #[derive(Clone)]
 pub(crate) struct App {
     pub(crate) config: Arc<Config>,
+    pub(crate) keeper: Keeper,
     pub(crate) fleet: Fleet,
     pub(crate) feed: Feed,
+    pub(crate) priors: Priors,
+    pub(crate) environments: Environments,
+    pub(crate) evolutions: Evolutions,
     /// One permit per event stream.
     pub(crate) streams: Arc<Semaphore>,
     /// Set when event streams are to end, since they would outlast any shutdown.
     pub(crate) closing: Arc<watch::Sender<bool>>,
 }
 
+/// What an [`App`] is made of.
+pub(crate) struct Parts {
+    pub(crate) config: Config,
+    pub(crate) keeper: Keeper,
+    pub(crate) fleet: Fleet,
+    pub(crate) feed: Feed,
+    pub(crate) priors: Priors,
+    pub(crate) environments: Environments,
+    pub(crate) evolutions: Evolutions,
+}
+
 impl App {
-    pub(crate) fn new(config: Config, fleet: Fleet, feed: Feed) -> Self {
+    pub(crate) fn new(parts: Parts) -> Self {
+        let Parts { config, keeper, fleet, feed, priors, environments, evolutions } = parts;
         Self {
             streams: Arc::new(Semaphore::new(config.max_event_streams.min(Semaphore::MAX_PERMITS))),
             closing: Arc::default(),
             config: Arc::new(config),
+            keeper,
             fleet,
             feed,
+            priors,
+            environments,
+            evolutions,
         }
     }
 }

@@ -1,9 +1,17 @@
 //! The command line of `umwelt-server`; each flag has an environment variable, and the flag wins.
 
-use clap::{Args, Parser, Subcommand};
+mod evolve;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use evolve::Evolve;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::time::Duration;
-use umwelt_server::Config;
+use umwelt_server::offline::Order;
+use umwelt_server::{Config, Priority};
+
+/// Data directory where none is named.
+const DATA: &str = "umwelt-data";
 
 /// Controller server for two-wheel robots over bad links.
 ///
@@ -11,7 +19,8 @@ use umwelt_server::Config;
 /// JSON over HTTP/1.1 and HTTP/2 (prior knowledge); GET /openapi.json is the contract.
 ///
 /// The first line on standard output says where the server listens; logs go to standard error.
-/// Robots and tasks are kept in memory: they are gone when the server ends.
+/// Robots, tasks, what they learned, priors and evolutions are kept in the data directory and found again there;
+/// what is acknowledged is on the disk. One server at a time uses a directory.
 /// SIGTERM and SIGINT stop every robot, then the server.
 ///
 /// Exit status: 0 after a shutdown, 1 if it failed, 2 if the call was wrong.
@@ -28,6 +37,40 @@ pub(crate) struct Arguments {
 enum Command {
     /// Serve; the same as no command at all.
     Serve(Serve),
+    /// Evolve a prior, without a server.
+    ///
+    /// The result goes to standard output, progress to standard error.
+    /// Exit status: 0, 1 if it failed, 2 if the call was wrong.
+    #[command(verbatim_doc_comment)]
+    Evolve(Box<Evolve>),
+    /// Write everything in a data directory to a file, while a server may be using it.
+    ///
+    /// The file is a data file itself. To use it: name it umwelt.sqlite, put it alone into a directory, and start
+    /// `umwelt-server --data` with that. What a server takes in while the backup runs is not in it.
+    #[command(verbatim_doc_comment)]
+    Backup(Backup),
+}
+
+/// What to back up, and where to.
+#[derive(Debug, Args)]
+pub(crate) struct Backup {
+    /// File to write; it must not exist.
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Data directory to back up.
+    #[arg(long, env = "UMWELT_DATA", value_name = "DIR", default_value = DATA)]
+    pub(crate) data: PathBuf,
+}
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) enum Task {
+    /// Serve.
+    Serve(Box<Serve>),
+    /// Evolve a prior.
+    Evolve(Box<Order>),
+    /// Write a backup.
+    Backup(Backup),
 }
 
 /// How to serve.
@@ -36,6 +79,24 @@ pub(crate) struct Serve {
     /// Address to listen on; port 0 takes a free one.
     #[arg(long, env = "UMWELT_LISTEN", value_name = "ADDRESS", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
+    /// Directory for everything that outlives the server; it is made where there is none.
+    #[arg(long, env = "UMWELT_DATA", value_name = "DIR", default_value = DATA)]
+    data: PathBuf,
+    /// Keep everything in memory: it is gone when the server ends. For tests and demonstrations.
+    #[arg(long, env = "UMWELT_IN_MEMORY", conflicts_with = "data")]
+    in_memory: bool,
+    /// Most evolutions to keep that have ended; the oldest go first.
+    #[arg(long, env = "UMWELT_KEEP_EVOLUTIONS", value_name = "N", default_value_t = Config::default().keep_evolutions)]
+    keep_evolutions: usize,
+    /// Most evolutions that wait for their turn; one runs at a time.
+    #[arg(long, env = "UMWELT_MAX_QUEUED_EVOLUTIONS", value_name = "N", default_value_t = Config::default().max_queued_evolutions)]
+    max_queued_evolutions: usize,
+    /// Threads for evolutions; all cores where none are said. They run where nothing else wants to.
+    #[arg(long, env = "UMWELT_EVOLUTION_THREADS", value_name = "N", value_parser = threads)]
+    evolution_threads: Option<usize>,
+    /// Priority of these threads; at the normal one evolutions delay the control of robots.
+    #[arg(long, env = "UMWELT_EVOLUTION_PRIORITY", value_enum, default_value = "lowest")]
+    evolution_priority: EvolutionPriority,
     /// What to log: error, warn, info, debug, trace, or per module as in `info,umwelt_server=debug`.
     #[arg(long, env = "UMWELT_LOG", value_name = "FILTER", default_value = "info", value_parser = filter)]
     pub(crate) log: String,
@@ -62,12 +123,20 @@ pub(crate) struct Serve {
     drain_s: Duration,
 }
 
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum EvolutionPriority {
+    Lowest,
+    Normal,
+}
+
 impl Arguments {
-    /// How to serve, wherever it was said.
-    pub(crate) fn serve(self) -> Serve {
+    /// What is to be done, wherever it was said.
+    pub(crate) fn task(self) -> Task {
         match self.command {
-            Some(Command::Serve(serve)) => serve,
-            None => self.serve,
+            Some(Command::Evolve(evolve)) => Task::Evolve(Box::new(evolve.order())),
+            Some(Command::Backup(backup)) => Task::Backup(backup),
+            Some(Command::Serve(serve)) => Task::Serve(Box::new(serve)),
+            None => Task::Serve(Box::new(self.serve)),
         }
     }
 }
@@ -77,6 +146,14 @@ impl Serve {
     pub(crate) fn config(&self) -> Config {
         Config {
             listen: self.listen,
+            data: (!self.in_memory).then(|| self.data.clone()),
+            keep_evolutions: self.keep_evolutions,
+            max_queued_evolutions: self.max_queued_evolutions,
+            evolution_threads: self.evolution_threads,
+            evolution_priority: match self.evolution_priority {
+                EvolutionPriority::Lowest => Priority::Lowest,
+                EvolutionPriority::Normal => Priority::Normal,
+            },
             max_robots: self.max_robots,
             max_connections: self.max_connections,
             max_event_streams: self.max_event_streams,
@@ -104,6 +181,14 @@ fn seconds(text: &str) -> Result<Duration, String> {
     }
 }
 
+/// More threads than any machine has cores are a mistake.
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if (1..=1024).contains(&threads) => Ok(threads),
+        _ => Err("use an integer from 1 to 1024".to_owned()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,7 +196,10 @@ mod tests {
 
     fn config(arguments: &[&str]) -> Option<Config> {
         let all = std::iter::once(&"umwelt-server").chain(arguments);
-        Arguments::try_parse_from(all).ok().map(|arguments| arguments.serve().config())
+        match Arguments::try_parse_from(all).ok()?.task() {
+            Task::Serve(serve) => Some(serve.config()),
+            Task::Evolve(_) | Task::Backup(_) => None,
+        }
     }
 
     #[test]
@@ -119,19 +207,31 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
+    /// The library's defaults, but for a data directory.
+    fn kept() -> Config {
+        Config { data: Some(DATA.into()), ..Config::default() }
+    }
+
     /// The bug to fear: a default on the command line that is not the library's.
     #[test]
     fn nothing_said_is_the_default() {
-        assert_eq!(config(&[]), Some(Config::default()));
-        assert_eq!(config(&["serve"]), Some(Config::default()));
+        assert_eq!(config(&[]), Some(kept()));
+        assert_eq!(config(&["serve"]), Some(kept()));
+    }
+
+    #[test]
+    fn what_outlives_the_server_is_kept_where_it_is_said_or_nowhere() {
+        let data = config(&["--data", "there"]).and_then(|config| config.data);
+        assert_eq!(data, Some(PathBuf::from("there")));
+        assert_eq!(config(&["--in-memory"]), Some(Config::default()));
+        assert_eq!(config(&["--in-memory", "--data", "there"]), None);
     }
 
     #[test]
     fn flags_are_understood_with_and_without_the_command() {
-        let expected =
-            Config { listen: ([127, 0, 0, 1], 0).into(), max_robots: 3, ..Config::default() };
+        let expected = Config { listen: ([127, 0, 0, 1], 0).into(), max_robots: 3, ..kept() };
         let flags = ["--listen", "127.0.0.1:0", "--max-robots", "3"];
-        assert_eq!(config(&flags), Some(expected));
+        assert_eq!(config(&flags), Some(expected.clone()));
         assert_eq!(config(&[&["serve"], &flags[..]].concat()), Some(expected));
     }
 
@@ -143,7 +243,8 @@ mod tests {
             ["--drain-s", "-1"],
             ["--listen", "here"],
             ["--log", "umwelt=loud"],
-            ["--data", "x"],
+            ["--keep-evolutions", "-1"],
+            ["backup", "--data"],
         ] {
             assert_eq!(config(&wrong), None, "{wrong:?}");
         }

@@ -1,13 +1,28 @@
 //! What can be set about a server.
 
+use crate::evolution::Priority;
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Every setting of a server. Where nothing is said, [`Config::default`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Config {
     /// Where to listen; port 0 takes a free one.
     pub listen: SocketAddr,
+    /// Directory of everything that outlives the process, for one server at a time; none keeps it in memory, and it is
+    /// gone with the server. `umwelt-server` itself takes `./umwelt-data` where nothing is said.
+    pub data: Option<PathBuf>,
+    /// Evolutions that have ended and are kept; the oldest go first. Each may hold some MB.
+    pub keep_evolutions: usize,
+    /// Evolutions that may wait for their turn.
+    pub max_queued_evolutions: usize,
+    /// Threads for evolutions, of lowest priority; all cores where none are said. What comes of an evolution does not
+    /// depend on them.
+    pub evolution_threads: Option<usize>,
+    /// How these threads stand beside all others: at the lowest priority they do not disturb the control of robots, and
+    /// do not go on either where other programs keep all cores busy.
+    pub evolution_priority: Priority,
     /// Most robots. Each costs about 0.2 MB and one horizon per 30 ms.
     pub max_robots: usize,
     /// Most connections at a time. A robot uses up to three of them while its link stalls.
@@ -35,6 +50,11 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             listen: (Ipv4Addr::LOCALHOST, 8080).into(),
+            data: None,
+            keep_evolutions: 200,
+            max_queued_evolutions: 16,
+            evolution_threads: None,
+            evolution_priority: Priority::default(),
             max_robots: 1000,
             max_connections: 4096,
             max_event_streams: 256,

@@ -1,15 +1,18 @@
 //! What routes take out of a request, each checked once and refused in the one error body.
 
 use crate::app::App;
+use crate::evolution::Job;
 use crate::failure::{self, Failure};
 use crate::robot::Robot;
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::{HeaderMap, StatusCode, header, request::Parts};
 use bytes::Bytes;
 use http_body_util::{BodyExt, LengthLimitError, Limited};
+use std::collections::HashMap;
+use std::str::FromStr;
 use std::sync::Arc;
-use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
+use umwelt_api::{EnvironmentId, InvalidId, PriorId, RobotId};
 
 /// The `{robot}` of a path, valid but perhaps unknown.
 pub(crate) struct Id(pub(crate) RobotId);
@@ -18,13 +21,58 @@ impl<S: Send + Sync> FromRequestParts<S> for Id {
     type Rejection = Failure;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Failure> {
-        let Path(text) = Path::<String>::from_request_parts(parts, state).await.map_err(|_| {
-            // Percent-encoded bytes that are no text.
-            let remedy = "use 1 to 63 of a-z, 0-9 and -";
-            Problems::from(Detail::new(reason::INVALID_ID, "robot", (), remedy))
-        })?;
-        Ok(Self(text.parse()?))
+        named(parts, state, "robot").await.map(Self)
     }
+}
+
+/// The `{prior}` of a path, valid but perhaps unknown.
+pub(crate) struct Prior(pub(crate) PriorId);
+
+impl<S: Send + Sync> FromRequestParts<S> for Prior {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Failure> {
+        named(parts, state, "prior").await.map(Self)
+    }
+}
+
+/// The `{environment}` of a path, valid but perhaps unknown.
+pub(crate) struct Environment(pub(crate) EnvironmentId);
+
+impl<S: Send + Sync> FromRequestParts<S> for Environment {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Failure> {
+        named(parts, state, "environment").await.map(Self)
+    }
+}
+
+/// The evolution that a path names.
+pub(crate) struct Evolution(pub(crate) Arc<Job>);
+
+impl FromRequestParts<App> for Evolution {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Failure> {
+        let id = named(parts, app, "evolution").await?;
+        let found = app.evolutions.find(&id).map(Self);
+        found.ok_or_else(|| failure::no_such("evolution", id.as_str()))
+    }
+}
+
+/// The parameter of a path that holds an id.
+async fn named<T: FromStr<Err = InvalidId>, S: Send + Sync>(
+    parts: &mut Parts,
+    state: &S,
+    parameter: &str,
+) -> Result<T, Failure> {
+    let path = Path::<HashMap<String, String>>::from_request_parts(parts, state).await;
+    let Some(text) = path.ok().and_then(|Path(mut path)| path.remove(parameter)) else {
+        // Percent-encoded bytes that are no text.
+        let remedy = "use 1 to 63 of a-z, 0-9 and -";
+        return Err(Problems::from(Detail::new(reason::INVALID_ID, parameter, (), remedy)).into());
+    };
+    Ok(text.parse()?)
 }
 
 /// The robot that a path names.

@@ -31,6 +31,17 @@ impl Failure {
         self
     }
 
+    /// What it says, for people.
+    pub(crate) fn message(&self) -> &str {
+        &self.problem.message
+    }
+
+    /// Whether a store said it of what it was to keep: asking again is of no use.
+    pub(crate) fn is_of_content(&self) -> bool {
+        let is_of_store = self.problem.details.iter().any(|it| it.reason == reason::STORE_FAILED);
+        is_of_store && self.problem.status == Status::Internal
+    }
+
     /// The same under another HTTP status.
     pub(crate) fn under(mut self, code: StatusCode) -> Self {
         self.code = code.as_u16();
@@ -61,6 +72,7 @@ impl From<StoreError> for Failure {
         let status = match error {
             StoreError::Unavailable(_) => Status::Unavailable,
             StoreError::Damaged(_) => Status::DataLoss,
+            StoreError::Rejected(_) => Status::Internal,
         };
         let remedy = "nothing was changed; robots that drive go on driving";
         Self::new(status, error.to_string()).with(Detail::new(reason::STORE_FAILED, "", (), remedy))
@@ -80,6 +92,13 @@ impl IntoResponse for Failure {
         }
         response
     }
+}
+
+/// Nothing goes by this `name` among what `what` says in the singular: `prior`.
+pub(crate) fn no_such(what: &str, name: &str) -> Failure {
+    let remedy = format!("list those there are: GET /v1/{what}s");
+    let detail = Detail::new(reason::NO_SUCH_RESOURCE, what, name, remedy);
+    Failure::new(Status::NotFound, format!("there is no {what} {name}")).with(detail)
 }
 
 pub(crate) fn no_such_robot(robot: &RobotId) -> Failure {
@@ -121,6 +140,12 @@ pub(crate) fn limit_reached(what: &str, limit: usize) -> Failure {
         limit,
         remedy,
     ))
+}
+
+/// A call that was made elsewhere has panicked.
+pub(crate) fn broken(error: &tokio::task::JoinError) -> Failure {
+    tracing::error!(%error, "a change broke off");
+    internal("the change broke off; the log says why")
 }
 
 pub(crate) fn internal(message: impl Into<String>) -> Failure {

@@ -2,23 +2,41 @@
 
 mod arguments;
 
-use arguments::Arguments;
+use arguments::{Arguments, Backup, Serve, Task};
 use clap::Parser;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
-use umwelt_server::Server;
+use umwelt_api::problem::Detail;
+use umwelt_server::{Server, offline, store};
+
+/// Longest wait for a store that does not answer, once the server has ended.
+const STORE_ENDS: Duration = Duration::from_secs(2);
+
+/// Exit status of a call that makes no sense, as clap has it.
+const WRONG_CALL: u8 = 2;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse().serve();
+    match Arguments::parse().task() {
+        Task::Serve(arguments) => run(&arguments),
+        Task::Evolve(order) => evolve(&order),
+        Task::Backup(backup) => back_up(&backup),
+    }
+}
+
+fn run(arguments: &Serve) -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(EnvFilter::new(&arguments.log))
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .init();
-    let done = tokio::runtime::Runtime::new()
-        .and_then(|runtime| runtime.block_on(serve(arguments.config())));
+    let done = tokio::runtime::Runtime::new().and_then(|runtime| {
+        let done = runtime.block_on(serve(arguments.config()));
+        runtime.shutdown_timeout(STORE_ENDS);
+        done
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -28,17 +46,38 @@ fn main() -> ExitCode {
     }
 }
 
+fn back_up(Backup { file, data }: &Backup) -> ExitCode {
+    match store::backup(data, file) {
+        Ok(backup) => {
+            say(&format!("{}: {backup}", file.display()));
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn evolve(order: &offline::Order) -> ExitCode {
+    let Err(error) = offline::evolve(order, &mut std::io::stdout().lock()) else {
+        return ExitCode::SUCCESS;
+    };
+    // Nobody may read it; the exit status says it too.
+    let mut output = std::io::stderr().lock();
+    let _ = writeln!(output, "error: {error}");
+    let offline::Error::Invalid(problems) = error else { return ExitCode::FAILURE };
+    for Detail { reason, field, value, remedy } in problems.details() {
+        let _ = writeln!(output, "  {field}: {value}: {remedy} ({reason})");
+    }
+    ExitCode::from(WRONG_CALL)
+}
+
 async fn serve(config: umwelt_server::Config) -> std::io::Result<()> {
     let (mut terminate, mut interrupt) =
         (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
-    let at = |error: std::io::Error| {
-        std::io::Error::new(error.kind(), format!("cannot listen on {}: {error}", config.listen))
-    };
-    let server = Server::bind(config).await.map_err(at)?;
-    // Whoever reads this line, a script or nobody, must not stop the server by going away.
-    let mut output = std::io::stdout();
-    let _ = writeln!(output, "listening on http://{}", server.local_addr());
-    let _ = output.flush();
+    let server = Server::bind(config).await?;
+    say(&format!("listening on http://{}", server.local_addr()));
     let shutdown = async move {
         tokio::select! {
             _ = terminate.recv() => {}
@@ -46,4 +85,11 @@ async fn serve(config: umwelt_server::Config) -> std::io::Result<()> {
         }
     };
     server.run(shutdown).await
+}
+
+/// Says a result on standard output. Whoever reads it, a script or nobody, must not stop the program by going away.
+fn say(line: &str) {
+    let mut output = std::io::stdout();
+    let _ = writeln!(output, "{line}");
+    let _ = output.flush();
 }

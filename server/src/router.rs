@@ -3,7 +3,9 @@
 use crate::app::App;
 use crate::deadline;
 use crate::failure::{self, Failure};
-use crate::routes::{control, environment, events, robots, server, tasks};
+use crate::routes::{
+    control, environment, environments, events, evolutions, priors, robots, server, tasks,
+};
 use axum::Router;
 use axum::extract::Request;
 use axum::http::StatusCode;
@@ -32,6 +34,22 @@ pub(crate) fn router(app: App) -> Router {
         // What is identified
         .route("/v1/robots/{robot}/environment", get(environment::get))
         .route("/v1/robots/{robot}/environment/reset", post(environment::reset))
+        // Priors by name
+        .route("/v1/priors", get(priors::list))
+        .route("/v1/priors/{prior}", put(priors::put).get(priors::get).delete(priors::delete))
+        // Simulated environments by name
+        .route("/v1/environments", get(environments::list))
+        .route(
+            "/v1/environments/{environment}",
+            put(environments::put).get(environments::get).delete(environments::delete),
+        )
+        // Evolutions: priors searched for in the background
+        .route("/v1/evolutions", post(evolutions::submit).get(evolutions::list))
+        .route("/v1/evolutions/{evolution}", get(evolutions::get).delete(evolutions::delete))
+        .route("/v1/evolutions/{evolution}/cancel", post(evolutions::cancel))
+        .route("/v1/evolutions/{evolution}/generations", get(evolutions::generations))
+        .route("/v1/evolutions/{evolution}/events", get(evolutions::events))
+        .route("/v1/evolutions/{evolution}/figures/{figure}", get(evolutions::figure))
         // What happens
         .route("/v1/robots/{robot}/events", get(events::of_robot))
         .route("/v1/events", get(events::of_all))

@@ -1,13 +1,17 @@
 //! The server: binds, accepts, and shuts down without leaving a robot in motion.
 
-use crate::app::App;
+use crate::app::{App, Parts};
 use crate::config::Config;
 use crate::connection;
+use crate::evolution::{Evolutions, Pool};
 use crate::failure;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
+use crate::priors::Priors;
+use crate::robot::Common;
 use crate::router::router;
-use crate::store::{MemoryStore, Store};
+use crate::store::{Keeper, MemoryStore, SqliteStore, Store};
+use crate::training::Environments;
 use axum::Router;
 use hyper_util::rt::TokioExecutor;
 use hyper_util::server::conn::auto::Builder;
@@ -37,24 +41,45 @@ pub struct Server {
 }
 
 impl Server {
-    /// Binds a server that keeps its robots in memory.
+    /// Binds a server with what its data directory holds, [`Config::data`], or in memory where there is none.
     ///
     /// # Errors
-    /// Where the address cannot be had.
+    /// Where the address cannot be had or the data directory cannot be used; the message says what to do.
     pub async fn bind(config: Config) -> io::Result<Self> {
-        Self::with_store(config, Arc::new(MemoryStore::default())).await
+        let store: Arc<dyn Store> = match config.data.clone() {
+            None => Arc::new(MemoryStore::default()),
+            Some(directory) => {
+                let opening = tokio::task::spawn_blocking(move || SqliteStore::open(&directory));
+                Arc::new(opening.await?.map_err(io::Error::other)?)
+            }
+        };
+        Self::with_store(config, store).await
     }
 
-    /// Binds a server with the robots that `store` keeps.
+    /// Binds a server with what `store` keeps, whatever [`Config::data`] says.
     ///
     /// # Errors
     /// Where the address cannot be had or the store cannot be read.
     pub async fn with_store(config: Config, store: Arc<dyn Store>) -> io::Result<Self> {
-        let feed = Feed::new();
-        let fleet = Fleet::open(&config, store, feed.clone()).await.map_err(io::Error::other)?;
-        let listener = TcpListener::bind(config.listen).await?;
+        let keeper = Keeper::new(store);
+        let contents = keeper.load().await.map_err(io::Error::other)?;
+        let listener = TcpListener::bind(config.listen).await.map_err(|error| {
+            let message = format!("cannot listen on {}: {error}", config.listen);
+            io::Error::new(error.kind(), message)
+        })?;
         let address = listener.local_addr()?;
-        let app = App::new(config, fleet, feed);
+        let feed = Feed::new();
+        let pool = Pool::new(config.evolution_threads, config.evolution_priority)?;
+        let priors = Priors::open(contents.priors.clone());
+        let environments = Environments::open(&contents.environments);
+        let limits = (config.max_queued_evolutions, config.keep_evolutions);
+        let evolutions =
+            Evolutions::open(limits, pool, keeper.clone(), priors.clone(), &contents).await?;
+        let lost_after = config.lost_after;
+        let common = Common { lost_after, feed: feed.clone(), priors: priors.clone() };
+        let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots);
+        let parts = Parts { config, keeper, fleet, feed, priors, environments, evolutions };
+        let app = App::new(parts);
         Ok(Self { router: router(app.clone()), app, listener, address })
     }
 
@@ -82,6 +107,8 @@ impl Server {
             () = shutdown => {}
         }
         tracing::info!("shutting down: robots are told to rest");
+        // What runs goes on after the restart; the robots that are told to rest need the cores now.
+        app.evolutions.close();
         tokio::select! {
             () = door.accept(&listener) => {}
             drained = tokio::time::timeout(app.config.drain, app.fleet.drain()) => {
@@ -90,10 +117,24 @@ impl Server {
                 }
             }
         }
+        // The last they learned; steps that are still answered teach no more than the watchdog lasts.
+        if tokio::time::timeout(app.config.close, app.fleet.save()).await.is_err() {
+            tracing::warn!(
+                "the store does not answer: the last that the robots learned is not kept"
+            );
+        }
         drop(listener);
         app.closing.send_replace(true);
         if tokio::time::timeout(app.config.close, door.graceful.shutdown()).await.is_err() {
             tracing::warn!("some connections did not end in time");
+        }
+        if tokio::time::timeout(app.config.close, app.evolutions.closed()).await.is_err() {
+            tracing::warn!(
+                "an evolution did not stop in time; it goes on from its last generation"
+            );
+        }
+        if tokio::time::timeout(app.config.close, app.keeper.settle()).await.is_err() {
+            tracing::warn!("the store does not answer; what it has acknowledged is kept");
         }
         Ok(())
     }

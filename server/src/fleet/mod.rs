@@ -4,21 +4,22 @@
 //! kept is refused and changes nothing. Stopping is the other way round: it must work whatever the store does.
 //! A change once begun runs to its end, even if the caller has gone.
 
+mod saving;
 mod stop;
 
 use crate::condition::Condition;
 use crate::config::Config;
 use crate::failure::{self, Failure};
-use crate::feed::Feed;
-use crate::robot::{Command, Robot};
-use crate::store::{Record, Store, StoreError};
-use std::collections::BTreeMap;
+use crate::robot::{Command, Common, Robot};
+use crate::store::{Change, Keeper, Posterior, Record, StoredRobot};
+use saving::Saver;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Bound;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
-use std::time::Duration;
 use tokio::sync::Mutex;
 use umwelt_api::RobotId;
+use umwelt_core::controller::Saved;
 use umwelt_core::controller::settings::Settings;
 use umwelt_core::controller::task::Task;
 
@@ -39,35 +40,43 @@ struct Inner {
     robots: RwLock<BTreeMap<RobotId, Arc<Robot>>>,
     /// Held while a robot comes into being, so that there is one of each id and no more than the limit.
     creating: Mutex<()>,
-    store: Arc<dyn Store>,
-    feed: Feed,
+    keeper: Keeper,
+    /// What was last kept of what the robots learn.
+    saver: Mutex<Saver>,
+    /// Robots that were stopped when that could not be kept.
+    unkept: std::sync::Mutex<BTreeSet<RobotId>>,
+    /// The highest revision that a record ever had.
+    revision: AtomicU64,
+    common: Common,
     max_robots: usize,
-    lost_after: Duration,
     draining: AtomicBool,
 }
 
 impl Fleet {
-    /// The robots that the store keeps.
-    pub(crate) async fn open(
+    /// The robots that the store keeps; what they learn is kept from now on as long as the fleet is there.
+    pub(crate) fn open(
         config: &Config,
-        store: Arc<dyn Store>,
-        feed: Feed,
-    ) -> Result<Self, StoreError> {
+        keeper: Keeper,
+        common: Common,
+        robots: Vec<StoredRobot>,
+    ) -> Self {
+        let revision = robots.iter().map(|robot| robot.record.revision).max();
         let fleet = Self(Arc::new(Inner {
             robots: RwLock::default(),
             creating: Mutex::default(),
-            store,
-            feed,
+            keeper,
+            saver: Mutex::default(),
+            unkept: std::sync::Mutex::default(),
+            revision: AtomicU64::new(revision.unwrap_or(0)),
+            common,
             max_robots: config.max_robots,
-            lost_after: config.lost_after,
             draining: AtomicBool::new(false),
         }));
-        let store = Arc::clone(&fleet.0.store);
-        let listed = tokio::task::spawn_blocking(move || store.list()).await;
-        for (id, record) in listed.map_err(|error| StoreError::Damaged(error.to_string()))?? {
-            fleet.insert(id, record);
+        for StoredRobot { id, record, saved } in robots {
+            fleet.insert(id, record, saved);
         }
-        Ok(fleet)
+        saving::start(&fleet);
+        fleet
     }
 
     /// The robot with this id.
@@ -85,11 +94,13 @@ impl Fleet {
             .collect()
     }
 
-    /// Describes a robot, for the first time or anew.
+    /// Describes a robot, for the first time or anew. `prior` is the name of the prior in `settings`, where it has
+    /// one.
     pub(crate) async fn put(
         &self,
         id: RobotId,
         settings: Settings,
+        prior: Option<String>,
         condition: Condition,
     ) -> Result<(Arc<Robot>, Put), Failure> {
         let fleet = self.clone();
@@ -97,8 +108,8 @@ impl Fleet {
             loop {
                 fleet.accepts_changes()?;
                 let done = match fleet.find(&id) {
-                    Some(robot) => fleet.replace(robot, settings, &condition).await?,
-                    None => fleet.create(&id, settings, &condition).await?,
+                    Some(robot) => fleet.replace(robot, settings, &prior, &condition).await?,
+                    None => fleet.create(&id, settings, &prior, &condition).await?,
                 };
                 // Otherwise it was removed or created by somebody else meanwhile: look again.
                 if let Some(done) = done {
@@ -113,6 +124,7 @@ impl Fleet {
         &self,
         id: &RobotId,
         settings: Settings,
+        prior: &Option<String>,
         condition: &Condition,
     ) -> Result<Option<(Arc<Robot>, Put)>, Failure> {
         let _creating = self.0.creating.lock().await;
@@ -123,15 +135,18 @@ impl Fleet {
         if self.robots(None).len() >= self.0.max_robots {
             return Err(failure::limit_reached("robots", self.0.max_robots));
         }
-        let record = Record { settings, task: None, stopped: false };
-        self.keep(id, &record).await?;
-        Ok(Some((self.insert(id.clone(), record), Put::Created)))
+        let revision = self.next_revision();
+        let prior = prior.clone();
+        let record = Record { settings, prior, task: None, stopped: false, revision };
+        self.keep(id, &record, None).await?;
+        Ok(Some((self.insert(id.clone(), record, None), Put::Created)))
     }
 
     async fn replace(
         &self,
         robot: Arc<Robot>,
         settings: Settings,
+        prior: &Option<String>,
         condition: &Condition,
     ) -> Result<Option<(Arc<Robot>, Put)>, Failure> {
         let _writing = robot.writing.lock().await;
@@ -140,14 +155,19 @@ impl Fleet {
             return Ok(None);
         }
         condition.check(Some(snapshot.etag()))?;
-        let record = Record { settings, ..snapshot.record() };
-        self.keep(robot.id(), &record).await?;
+        let revision = self.next_revision();
+        let record = Record { settings, prior: prior.clone(), revision, ..snapshot.record() };
         if !robot.is_alive() {
-            // Its task has died. Somebody describes it anew, so it may drive again; followers begin anew.
+            // Its task has died. Somebody describes it anew, so it may drive again; followers begin anew. What it
+            // learned may be what it died of.
+            self.keep(robot.id(), &record, None).await?;
             robot.ring().close();
-            return Ok(Some((self.insert(robot.id().clone(), record), Put::Replaced)));
+            return Ok(Some((self.insert(robot.id().clone(), record, None), Put::Replaced)));
         }
-        robot.tell(Command::Replace(Box::new(settings))).await?;
+        let saved = snapshot.saved_after(|controller| controller.replace_settings(settings));
+        self.keep(robot.id(), &record, Some(saved)).await?;
+        let (prior, settings) = (record.prior, Box::new(settings));
+        robot.tell(Command::Replace { settings, prior, revision }).await?;
         Ok(Some((Arc::clone(&robot), Put::Replaced)))
     }
 
@@ -163,7 +183,7 @@ impl Fleet {
             let (_writing, snapshot) = robot.change().await?;
             condition.check(Some(snapshot.etag()))?;
             let id = robot.id().clone();
-            fleet.with_store(move |store| store.delete(&id)).await?;
+            fleet.0.keeper.commit(vec![Change::DeleteRobot(id)]).await?;
             let told = robot.tell(Command::Remove).await;
             fleet.0.robots.write().unwrap_or_else(PoisonError::into_inner).remove(robot.id());
             // A task that has died cannot be told; the robot is gone all the same.
@@ -181,8 +201,7 @@ impl Fleet {
     ) -> Result<Put, Failure> {
         let fleet = self.clone();
         to_the_end(async move {
-            let command = Command::SetTask(task.clone());
-            let before = fleet.change_task(&robot, Some(task), command, &condition).await?;
+            let before = fleet.change_task(&robot, Some(task), &condition).await?;
             Ok(if before { Put::Replaced } else { Put::Created })
         })
         .await
@@ -199,7 +218,7 @@ impl Fleet {
             if robot.snapshot().task_etag().is_none() {
                 return Err(failure::no_task(robot.id()));
             }
-            fleet.change_task(&robot, None, Command::CancelTask, &condition).await?;
+            fleet.change_task(&robot, None, &condition).await?;
             Ok(())
         })
         .await
@@ -210,14 +229,19 @@ impl Fleet {
         &self,
         robot: &Robot,
         task: Option<Task>,
-        command: Command,
         condition: &Condition,
     ) -> Result<bool, Failure> {
         self.accepts_changes()?;
         let (_writing, snapshot) = robot.change().await?;
         condition.check(snapshot.task_etag())?;
-        self.keep(robot.id(), &Record { task, ..snapshot.record() }).await?;
-        robot.tell(command).await?;
+        let revision = self.next_revision();
+        let saved = snapshot.saved_after(|controller| match task.clone() {
+            Some(task) => controller.set_task(task),
+            None => controller.cancel_task(),
+        });
+        let record = Record { task: task.clone(), revision, ..snapshot.record() };
+        self.keep(robot.id(), &record, Some(saved)).await?;
+        robot.tell(Command::ChangeTask { task, revision }).await?;
         Ok(snapshot.task_etag().is_some())
     }
 
@@ -230,57 +254,66 @@ impl Fleet {
         if self.is_draining() { Err(failure::draining()) } else { Ok(()) }
     }
 
-    fn insert(&self, id: RobotId, record: Record) -> Arc<Robot> {
-        let robot = Arc::new(Robot::spawn(id.clone(), record, self.0.lost_after, &self.0.feed));
+    fn insert(&self, id: RobotId, record: Record, saved: Option<Saved>) -> Arc<Robot> {
+        let common = self.0.common.clone();
+        let robot = Arc::new(Robot::spawn(id.clone(), record, saved, common));
         let mut robots = self.0.robots.write().unwrap_or_else(PoisonError::into_inner);
         robots.insert(id, Arc::clone(&robot));
         robot
     }
 
-    async fn keep(&self, id: &RobotId, record: &Record) -> Result<(), Failure> {
-        let (id, record) = (id.clone(), record.clone());
-        self.with_store(move |store| store.put(&id, &record)).await
+    /// One that no record of this fleet has had.
+    fn next_revision(&self) -> u64 {
+        self.0.revision.fetch_add(1, Ordering::Relaxed) + 1
     }
 
-    /// Calls the store on a thread where it may block.
-    async fn with_store<T: Send + 'static>(
+    /// Keeps a record and, with it, what the robot has learned as it is under that record.
+    async fn keep(
         &self,
-        call: impl FnOnce(&dyn Store) -> Result<T, StoreError> + Send + 'static,
-    ) -> Result<T, Failure> {
-        let store = Arc::clone(&self.0.store);
-        match tokio::task::spawn_blocking(move || call(&*store)).await {
-            Ok(result) => result.map_err(Failure::from),
-            Err(error) => Err(broken(&error)),
-        }
+        id: &RobotId,
+        record: &Record,
+        saved: Option<Saved>,
+    ) -> Result<(), Failure> {
+        let revision = record.revision;
+        let mut changes = vec![Change::PutRobot(id.clone(), Box::new(record.clone()))];
+        changes.extend(saved.map(|saved| {
+            Change::PutPosterior(id.clone(), Box::new(Posterior { revision, saved }))
+        }));
+        self.0.keeper.commit(changes).await
     }
 }
 
 /// Runs a change to its end even if the caller goes away: half a change would part the robot from the store.
-async fn to_the_end<T: Send + 'static>(
+pub(crate) async fn to_the_end<T: Send + 'static>(
     change: impl Future<Output = Result<T, Failure>> + Send + 'static,
 ) -> Result<T, Failure> {
-    tokio::spawn(change).await.unwrap_or_else(|error| Err(broken(&error)))
-}
-
-fn broken(error: &tokio::task::JoinError) -> Failure {
-    tracing::error!(%error, "a change broke off");
-    failure::internal("the change broke off; the log says why")
+    tokio::spawn(change).await.unwrap_or_else(|error| Err(failure::broken(&error)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feed::Feed;
+    use crate::priors::Priors;
     use crate::store::MemoryStore;
+
+    fn empty() -> Fleet {
+        let keeper = Keeper::new(Arc::new(MemoryStore::default()));
+        let (lost_after, feed) = (Config::default().lost_after, Feed::new());
+        let common = Common { lost_after, feed, priors: Priors::default() };
+        Fleet::open(&Config::default(), keeper, common, Vec::new())
+    }
 
     #[tokio::test]
     async fn a_robot_whose_task_has_died_drives_again_once_it_is_described_anew() {
-        let store = Arc::new(MemoryStore::default());
-        let fleet = Fleet::open(&Config::default(), store, Feed::new()).await.unwrap();
+        let fleet = empty();
         let dead = Arc::new(Robot::dead("r").await);
         fleet.0.robots.write().unwrap().insert(dead.id().clone(), Arc::clone(&dead));
         assert!(fleet.stop_all().await.is_err(), "nobody may think that it was told");
-        let (robot, put) =
-            fleet.put(dead.id().clone(), Settings::default(), Condition::default()).await.unwrap();
+        let (robot, put) = fleet
+            .put(dead.id().clone(), Settings::default(), None, Condition::default())
+            .await
+            .unwrap();
         assert_eq!(put, Put::Replaced);
         assert!(robot.is_alive());
         assert_eq!(fleet.stop_all().await, Ok(1));
@@ -290,8 +323,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_robot_whose_task_has_died_can_be_removed() {
-        let store = Arc::new(MemoryStore::default());
-        let fleet = Fleet::open(&Config::default(), store, Feed::new()).await.unwrap();
+        let fleet = empty();
         let dead = Arc::new(Robot::dead("r").await);
         fleet.0.robots.write().unwrap().insert(dead.id().clone(), Arc::clone(&dead));
         fleet.delete(Arc::clone(&dead), Condition::default()).await.unwrap();

@@ -5,10 +5,12 @@ use crate::failure::Failure;
 use crate::robot::{Command, Robot};
 use crate::store::Record;
 use futures_util::future::join_all;
-use std::sync::Arc;
+use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, MutexGuard, PoisonError};
 use std::time::Duration;
 use tokio::time::timeout;
+use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, MAX_DETAILS, Status, reason};
 
 /// Longest wait for one robot where all are told something: a robot whose task hangs must not hide
@@ -21,7 +23,7 @@ const KEEP_STOP: Duration = Duration::from_millis(300);
 
 impl Fleet {
     /// Stops a robot. It rests whatever the store does; where the store does not keep it, or not soon, it is
-    /// logged, and a restart would let the robot go on.
+    /// logged, and tried again until it is kept: before that, a restart would let the robot go on.
     pub(crate) async fn stop(&self, robot: Arc<Robot>) -> Result<(), Failure> {
         robot.tell(Command::Stop).await?;
         let (fleet, id) = (self.clone(), robot.id().clone());
@@ -30,13 +32,31 @@ impl Fleet {
             fleet.keep_as_it_is(&robot).await
         });
         match timeout(KEEP_STOP, keeping).await {
-            Ok(Ok(())) => {}
+            Ok(Ok(())) => return Ok(()),
             Ok(Err(failure)) => {
                 tracing::warn!(robot = %id, ?failure, "stopped, but the store does not keep it");
             }
             Err(_) => tracing::warn!(robot = %id, "stopped, but the store does not answer"),
         }
+        self.unkept().insert(id);
         Ok(())
+    }
+
+    /// Keeps the stops that could not be kept when they came.
+    pub(super) async fn keep_stops(&self) {
+        let unkept = std::mem::take(&mut *self.unkept());
+        for robot in unkept.iter().filter_map(|id| self.find(id)) {
+            let _writing = robot.writing.lock().await;
+            match self.keep_as_it_is(&robot).await {
+                Ok(()) => tracing::info!(robot = %robot.id(), "that it is stopped is kept now"),
+                Err(_) => drop(self.unkept().insert(robot.id().clone())),
+            }
+        }
+    }
+
+    fn unkept(&self) -> MutexGuard<'_, BTreeSet<RobotId>> {
+        // A set of ids is whole whatever happened behind the lock.
+        self.0.unkept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Lets a stopped robot go on.
@@ -45,7 +65,9 @@ impl Fleet {
         to_the_end(async move {
             fleet.accepts_changes()?;
             let (_writing, snapshot) = robot.change().await?;
-            fleet.keep(robot.id(), &Record { stopped: false, ..snapshot.record() }).await?;
+            let record = Record { stopped: false, ..snapshot.record() };
+            fleet.keep(robot.id(), &record, None).await?;
+            fleet.unkept().remove(robot.id());
             robot.tell(Command::Resume).await
         })
         .await
@@ -86,7 +108,7 @@ impl Fleet {
         if snapshot.is_removed() {
             return Ok(());
         }
-        self.keep(robot.id(), &snapshot.record()).await
+        self.keep(robot.id(), &snapshot.record(), None).await
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) use snapshot::Snapshot;
 
 use crate::failure::{self, Failure};
 use crate::feed::{Feed, Ring};
+use crate::priors::Priors;
 use crate::store::Record;
 use pilot::{Event, Pilot};
 use std::sync::Arc;
@@ -19,10 +20,22 @@ use tokio::sync::{Mutex, MutexGuard, mpsc, oneshot, watch};
 use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_api::step::Reply;
+use umwelt_core::controller::Saved;
 use umwelt_core::exchange::Request;
 
 /// Requests that may wait for a robot's task: all that an agent has in flight on its connections, and some more.
 const QUEUE: usize = 16;
+
+/// What the robots of a server have in common; cheap to clone.
+#[derive(Clone, Debug)]
+pub(crate) struct Common {
+    /// Silence after which one counts as lost.
+    pub(crate) lost_after: Duration,
+    /// Where they say what happens.
+    pub(crate) feed: Feed,
+    /// What the names of their priors mean.
+    pub(crate) priors: Priors,
+}
 
 /// The handle of a robot's task.
 #[derive(Debug)]
@@ -36,11 +49,10 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
-    /// Starts the task of a robot.
-    pub(crate) fn spawn(id: RobotId, record: Record, lost_after: Duration, feed: &Feed) -> Self {
-        let ring = feed.ring();
-        let (pilot, snapshot) =
-            Pilot::new(id.clone(), record, lost_after, feed.clone(), Arc::clone(&ring));
+    /// Starts the task of a robot, which goes on from what was `saved` of it.
+    pub(crate) fn spawn(id: RobotId, record: Record, saved: Option<Saved>, common: Common) -> Self {
+        let ring = common.feed.ring();
+        let (pilot, snapshot) = Pilot::new(id.clone(), record, saved, common, Arc::clone(&ring));
         let (queue, events) = mpsc::channel(QUEUE);
         tokio::spawn(pilot::run(pilot, events));
         Self { id, queue, snapshot, ring, writing: Mutex::default() }
@@ -162,12 +174,18 @@ mod tests {
     impl Robot {
         /// A robot that was heard from and whose task has then died, as of a panic.
         pub(crate) async fn dead(id: &str) -> Self {
-            let record = Record { settings: Settings::default(), task: None, stopped: false };
-            let feed = Feed::new();
-            let ring = feed.ring();
+            let record = Record {
+                settings: Settings::default(),
+                prior: None,
+                task: None,
+                stopped: false,
+                revision: 1,
+            };
+            let (feed, priors) = (Feed::new(), Priors::default());
+            let common = Common { lost_after: Duration::from_secs(2), feed, priors };
+            let ring = common.feed.ring();
             let id: RobotId = id.parse().unwrap();
-            let (pilot, snapshot) =
-                Pilot::new(id.clone(), record, Duration::from_secs(2), feed, Arc::clone(&ring));
+            let (pilot, snapshot) = Pilot::new(id.clone(), record, None, common, Arc::clone(&ring));
             let (queue, events) = mpsc::channel(QUEUE);
             let task = tokio::spawn(pilot::run(pilot, events));
             let robot = Self { id, queue, snapshot, ring, writing: Mutex::default() };

@@ -2,9 +2,10 @@
 //!
 //! [`run`] waits, [`Pilot::apply`] changes state; neither does the other's work.
 
+use super::Common;
 use super::session::{Refusal, Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
-use crate::feed::{Feed, Ring};
+use crate::feed::Ring;
 use crate::store::Record;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ use umwelt_api::robot::State;
 use umwelt_api::step::{Horizon, Reply};
 use umwelt_core::controller::settings::{PredictorKind, Settings};
 use umwelt_core::controller::task::{Progress, Task};
-use umwelt_core::controller::{self, Controller};
+use umwelt_core::controller::{self, Controller, Saved};
 use umwelt_core::exchange::Request;
 use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon;
@@ -46,12 +47,10 @@ pub(crate) enum Event {
 /// What a robot may be told.
 #[derive(Debug)]
 pub(crate) enum Command {
-    /// New settings.
-    Replace(Box<Settings>),
-    /// A task in place of the one before.
-    SetTask(Task),
-    /// No task any more.
-    CancelTask,
+    /// New settings; `prior` is the name of the prior in them.
+    Replace { settings: Box<Settings>, prior: Option<String>, revision: u64 },
+    /// A task in place of the one before, or none any more.
+    ChangeTask { task: Option<Task>, revision: u64 },
     /// Rest until resumed.
     Stop,
     /// Go on.
@@ -72,9 +71,8 @@ pub(super) struct Pilot {
     /// The state as it is shown, kept up to date by [`Pilot::show`].
     shown: Snapshot,
     snapshot: watch::Sender<Arc<Snapshot>>,
-    lost_after: Duration,
+    common: Common,
     draining: bool,
-    feed: Feed,
     ring: Arc<Ring>,
     motion: Pace,
     learned: Pace,
@@ -141,19 +139,15 @@ impl Pilot {
     pub(super) fn new(
         id: RobotId,
         record: Record,
-        lost_after: Duration,
-        feed: Feed,
+        saved: Option<Saved>,
+        common: Common,
         ring: Arc<Ring>,
     ) -> (Self, watch::Receiver<Arc<Snapshot>>) {
-        let mut controller = Controller::new(record.settings);
-        let assigned = record.task.clone().map(Assigned::new);
-        if let Some(task) = record.task {
-            controller.set_task(task);
-        }
-        if record.stopped {
-            controller.stop();
-        }
-        let shown = Snapshot::of(&controller, Described::new(record.settings), assigned);
+        let Record { settings, prior, task, stopped, revision } = record;
+        let assigned = task.clone().map(Assigned::new);
+        let controller = controller(&id, settings, task, stopped, saved);
+        let described = Described::new(settings, prior, &common.priors);
+        let shown = Snapshot::of(&controller, described, assigned, revision);
         let (snapshot, receiver) = watch::channel(Arc::new(shown.clone()));
         let pilot = Self {
             id,
@@ -161,9 +155,8 @@ impl Pilot {
             session: Session::default(),
             shown,
             snapshot,
-            lost_after,
+            common,
             draining: false,
-            feed,
             ring,
             motion: Pace::new(MOTION_EVERY),
             learned: Pace::new(LEARNED_EVERY),
@@ -175,7 +168,7 @@ impl Pilot {
     /// When the robot counts as lost if nothing comes before.
     fn silence(&self) -> Option<Instant> {
         let is_connected = self.shown.state == State::Connected;
-        self.shown.seen.filter(|_| is_connected).map(|seen| seen + self.lost_after)
+        self.shown.seen.filter(|_| is_connected).map(|seen| seen + self.common.lost_after)
     }
 
     /// Whether a step may take tens of milliseconds: 10 000 agents of the Monte-Carlo predictor take 90 ms.
@@ -260,7 +253,7 @@ impl Pilot {
             self.publish(Kind::Task(progress.into()));
         }
         if is_learned_due {
-            let environment = (&self.controller.environment()).into();
+            let environment = self.shown.described.environment(&self.controller.environment());
             self.publish(Kind::Environment(Box::new(environment)));
         }
         if self.motion.is_due(now) {
@@ -275,19 +268,19 @@ impl Pilot {
 
     fn obey(&mut self, command: Command) -> ControlFlow<()> {
         match command {
-            Command::Replace(settings) => {
+            Command::Replace { settings, prior, revision } => {
                 self.controller.replace_settings(*settings);
-                self.shown.described = Described::new(*settings);
+                self.shown.described = Described::new(*settings, prior, &self.common.priors);
+                self.shown.revision = revision;
                 self.publish(Kind::Registered);
             }
-            Command::SetTask(task) => {
-                self.shown.assigned = Some(Assigned::new(task.clone()));
-                self.controller.set_task(task);
-                self.publish(Kind::Task(self.controller.progress().into()));
-            }
-            Command::CancelTask => {
-                self.shown.assigned = None;
-                self.controller.cancel_task();
+            Command::ChangeTask { task, revision } => {
+                self.shown.assigned = task.clone().map(Assigned::new);
+                self.shown.revision = revision;
+                match task {
+                    Some(task) => self.controller.set_task(task),
+                    None => self.controller.cancel_task(),
+                }
                 self.publish(Kind::Task(self.controller.progress().into()));
             }
             Command::Stop => self.stop(),
@@ -327,13 +320,40 @@ impl Pilot {
         shown.epoch = self.session.epoch();
         // A takeover forgets the pose with the clock; the last one known stays on show.
         shown.pose = self.controller.pose().or(shown.pose);
-        shown.belief.clone_from(self.controller.belief());
+        shown.saved = self.controller.saved();
         self.snapshot.send_replace(Arc::new(shown.clone()));
     }
 
     fn publish(&self, kind: Kind) {
-        self.feed.publish(&self.ring, &self.id, kind);
+        self.common.feed.publish(&self.ring, &self.id, kind);
     }
+}
+
+/// The controller of a robot that goes on from what was `saved` of it; without that, or where that is of something
+/// else, one that begins anew.
+fn controller(
+    id: &RobotId,
+    settings: Settings,
+    task: Option<Task>,
+    stopped: bool,
+    saved: Option<Saved>,
+) -> Controller {
+    if let Some(saved) = saved {
+        match Controller::restore(settings, task.clone(), stopped, saved) {
+            Some(controller) => return controller,
+            None => {
+                tracing::warn!(robot = %id, "what it learned is of other settings: it learns anew")
+            }
+        }
+    }
+    let mut controller = Controller::new(settings);
+    if let Some(task) = task {
+        controller.set_task(task);
+    }
+    if stopped {
+        controller.stop();
+    }
+    controller
 }
 
 fn at_rest(request: &Request, settings: &Settings) -> horizon::Horizon {

@@ -1,29 +1,44 @@
 //! What a robot shows of itself: replaced as a whole after each change, read by anybody at any time.
 
 use crate::etag;
-use crate::store::Record;
+use crate::priors::Priors;
+use crate::store::{Posterior, Record};
 use std::sync::Arc;
 use tokio::time::Instant;
 use umwelt_api::RobotId;
-use umwelt_api::environment::Environment;
+use umwelt_api::environment::{self, Environment};
+use umwelt_api::prior::Source;
 use umwelt_api::robot::{Pose, Robot, Spec, State};
 use umwelt_api::task;
-use umwelt_core::controller::Controller;
 use umwelt_core::controller::settings::Settings;
 use umwelt_core::controller::task::{Progress, Task};
+use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
-use umwelt_core::identification::Belief;
+use umwelt_core::identification::estimate;
 
 /// A robot's settings with their version.
 #[derive(Clone, Debug)]
 pub(super) struct Described {
     pub(super) settings: Settings,
+    /// Name of the prior in them.
+    pub(super) prior: Option<Arc<str>>,
+    /// Where it comes from; that never changes while a robot uses it.
+    pub(super) source: Source,
     pub(super) etag: Arc<str>,
 }
 
 impl Described {
-    pub(super) fn new(settings: Settings) -> Self {
-        Self { etag: etag::of(&Spec::from(&settings)), settings }
+    pub(super) fn new(settings: Settings, prior: Option<String>, priors: &Priors) -> Self {
+        let (prior, source) = (prior.as_deref().map(Arc::from), priors.source(prior.as_deref()));
+        let etag = etag::of(&Spec::from_core(&settings, prior.as_deref()));
+        Self { settings, prior, source, etag }
+    }
+
+    /// What is identified, as the wire has it.
+    pub(super) fn environment(&self, estimate: &estimate::Environment) -> Environment {
+        let name = self.prior.as_deref().and_then(|name| name.parse().ok());
+        let (source, method) = (self.source.clone(), estimate.method.into());
+        Environment::new(estimate, environment::Prior::of(name, source, method))
     }
 }
 
@@ -52,8 +67,10 @@ pub(crate) struct Snapshot {
     pub(super) stopped: bool,
     pub(super) pose: Option<Observation>,
     pub(super) epoch: Option<u64>,
-    /// Estimates are made by those who want to see them, not at every step.
-    pub(super) belief: Belief,
+    /// What outlives a restart. Estimates are made from it by those who want to see them, not at every step.
+    pub(super) saved: Saved,
+    /// The revision of the record under which that is so.
+    pub(super) revision: u64,
     /// Whether a stopping horizon has been fetched since the server began to shut down.
     pub(super) drained: bool,
     /// Whether the robot was removed.
@@ -65,6 +82,7 @@ impl Snapshot {
         controller: &Controller,
         described: Described,
         task: Option<Assigned>,
+        revision: u64,
     ) -> Self {
         Self {
             described,
@@ -75,7 +93,8 @@ impl Snapshot {
             stopped: controller.is_stopped(),
             pose: controller.pose(),
             epoch: None,
-            belief: controller.belief().clone(),
+            saved: controller.saved(),
+            revision,
             drained: false,
             removed: false,
         }
@@ -115,21 +134,52 @@ impl Snapshot {
     /// What is to be kept of it.
     pub(crate) fn record(&self) -> Record {
         let task = self.assigned.as_ref().map(|assigned| (*assigned.task).clone());
-        Record { settings: self.described.settings, task, stopped: self.stopped }
+        Record {
+            settings: self.described.settings,
+            prior: self.prior().map(str::to_owned),
+            task,
+            stopped: self.stopped,
+            revision: self.revision,
+        }
+    }
+
+    /// Name of the prior in the settings.
+    pub(crate) fn prior(&self) -> Option<&str> {
+        self.described.prior.as_deref()
+    }
+
+    /// What outlives a restart.
+    pub(crate) fn posterior(&self) -> Posterior {
+        Posterior { revision: self.revision, saved: self.saved.clone() }
+    }
+
+    /// Whether a restart would find the same in `other` as in this one.
+    pub(crate) fn is_learned_as(&self, other: &Self) -> bool {
+        self.revision == other.revision && self.saved == other.saved
+    }
+
+    /// What would outlive a restart after `change`.
+    pub(crate) fn saved_after(&self, change: impl FnOnce(&mut Controller)) -> Saved {
+        let settings = self.described.settings;
+        let task = self.assigned.as_ref().map(|assigned| (*assigned.task).clone());
+        let controller = Controller::restore(settings, task, self.stopped, self.saved.clone());
+        let mut controller = controller.unwrap_or_else(|| Controller::new(settings));
+        change(&mut controller);
+        controller.saved()
     }
 
     /// As the wire has it.
     pub(crate) fn robot(&self, id: &RobotId, now: Instant) -> Robot {
         Robot {
             robot: id.clone(),
-            spec: Spec::from(&self.described.settings),
+            spec: Spec::from_core(&self.described.settings, self.prior()),
             state: self.state,
             last_seen_s_ago: self.seen.map(|seen| now.duration_since(seen).as_secs_f64()),
             stopped: self.stopped,
             pose: self.pose.map(Pose::from),
             task: self.assigned.is_some().then(|| self.progress.into()),
             epoch: self.epoch,
-            loop_delay_median_s: self.belief.link.estimate().median,
+            loop_delay_median_s: self.saved.belief().link.estimate().median,
             etag: self.described.etag.to_string(),
         }
     }
@@ -146,6 +196,6 @@ impl Snapshot {
 
     /// What is identified, as the wire has it.
     pub(crate) fn environment(&self) -> Environment {
-        Environment::from(&self.belief.environment())
+        self.described.environment(&self.saved.belief().environment())
     }
 }

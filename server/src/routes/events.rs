@@ -17,7 +17,7 @@ use umwelt_api::problem::{Detail, Problems, reason};
 
 /// A comment is sent after this long without an event: proxies close what is silent for a minute, and a follower
 /// that has gone is only noticed by writing to it.
-const KEEP_ALIVE: Duration = Duration::from_secs(15);
+pub(super) const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
 pub(crate) async fn of_robot(
     State(app): State<App>,
@@ -64,7 +64,7 @@ fn written(event: &Event) -> Option<sse::Event> {
     }
 }
 
-fn last_event_id(headers: &HeaderMap) -> Result<Option<u64>, Failure> {
+pub(super) fn last_event_id(headers: &HeaderMap) -> Result<Option<u64>, Failure> {
     let Some(value) = headers.get("last-event-id") else { return Ok(None) };
     let text = value.to_str().unwrap_or_default();
     let id = text.parse().map_err(|_| {

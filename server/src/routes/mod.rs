@@ -2,8 +2,11 @@
 
 pub(crate) mod control;
 pub(crate) mod environment;
+pub(crate) mod environments;
 pub(crate) mod events;
+pub(crate) mod evolutions;
 pub(crate) mod page;
+pub(crate) mod priors;
 pub(crate) mod robots;
 pub(crate) mod server;
 pub(crate) mod tasks;

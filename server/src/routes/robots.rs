@@ -1,12 +1,12 @@
 //! Robots: described, shown, listed, removed.
 
-use super::page::Query;
+use super::page::{Query, Robots};
 use crate::answer;
 use crate::app::App;
 use crate::condition::Condition;
 use crate::extract::{Body, Id, Known};
 use crate::failure::Result;
-use crate::fleet::Put;
+use crate::fleet::{Put, to_the_end};
 use axum::extract::State;
 use axum::http::StatusCode;
 use tokio::time::Instant;
@@ -18,8 +18,14 @@ pub(crate) async fn put(
     condition: Condition,
     Body(body): Body<{ robot::MAX_BODY }>,
 ) -> Result {
-    let settings = Spec::read(&body)?.to_core()?;
-    let (robot, put) = app.fleet.put(id, settings, condition).await?;
+    let (robot, put) = to_the_end(async move {
+        // Until the robot has it, the prior of this name neither changes nor goes.
+        let _giving = app.priors.giving().await;
+        let (spec, settings) = Spec::read_known(&body, |name| app.priors.known(name))?;
+        let prior = spec.prior.name().map(str::to_owned);
+        app.fleet.put(id, settings, prior, condition).await
+    })
+    .await?;
     let snapshot = robot.snapshot();
     let shown = snapshot.robot(robot.id(), Instant::now());
     Ok(answer::versioned(code(put), snapshot.etag(), &shown))
@@ -40,7 +46,7 @@ pub(crate) async fn delete(
     Ok(answer::nothing())
 }
 
-pub(crate) async fn list(State(app): State<App>, query: Query) -> Result {
+pub(crate) async fn list(State(app): State<App>, query: Query<Robots>) -> Result {
     let now = Instant::now();
     let robots = app.fleet.robots(query.after.as_ref());
     let mut found = robots

@@ -23,6 +23,9 @@ pub(crate) async fn readiness(State(app): State<App>) -> Result {
     if app.fleet.is_draining() {
         return Err(draining());
     }
+    if let Some(fault) = app.keeper.fault() {
+        return Err(fault.into());
+    }
     Ok(answer::json(StatusCode::OK, &Health::ok(VERSION)))
 }
 

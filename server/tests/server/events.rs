@@ -12,13 +12,13 @@ use umwelt_server::Config;
 use umwelt_server::store::MemoryStore;
 
 /// A follower, as a client would read the stream.
-struct Stream {
+pub(crate) struct Stream {
     body: BodyDataStream,
     text: String,
 }
 
 impl Stream {
-    async fn open(api: &Api, path: &str, after: Option<u64>) -> Self {
+    pub(crate) async fn open(api: &Api, path: &str, after: Option<u64>) -> Self {
         let mut request = Request::builder().uri(path);
         if let Some(after) = after {
             request = request.header("last-event-id", after.to_string());
@@ -30,7 +30,7 @@ impl Stream {
     }
 
     /// The next block of the stream: an event or a comment. None at its end.
-    async fn block(&mut self) -> Option<String> {
+    pub(crate) async fn block(&mut self) -> Option<String> {
         loop {
             if let Some((block, rest)) = self.text.split_once("\n\n") {
                 let block = block.to_owned();

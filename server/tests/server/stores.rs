@@ -5,8 +5,7 @@ use serde_json::json;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use tokio::sync::watch;
-use umwelt_api::RobotId;
-use umwelt_server::store::{MemoryStore, Record, StoreError};
+use umwelt_server::store::{Change, Contents, Generation, MemoryStore, StoreError};
 use umwelt_server::{Server, Store};
 
 /// A store that does what it is told to: work, fail in one way or another, or panic.
@@ -14,16 +13,22 @@ use umwelt_server::{Server, Store};
 pub(crate) struct Faulty {
     memory: MemoryStore,
     fault: AtomicU8,
+    posteriors: Mutex<Vec<Change>>,
 }
 
-const WORKS: u8 = 0;
-const UNAVAILABLE: u8 = 1;
+pub(crate) const WORKS: u8 = 0;
+pub(crate) const UNAVAILABLE: u8 = 1;
 const DAMAGED: u8 = 2;
 const PANICS: u8 = 3;
 
 impl Faulty {
-    fn set(&self, fault: u8) {
+    pub(crate) fn set(&self, fault: u8) {
         self.fault.store(fault, Ordering::SeqCst);
+    }
+
+    /// What the robots had learned when that was kept last.
+    pub(crate) fn last_posteriors(&self) -> Vec<Change> {
+        self.posteriors.lock().unwrap().clone()
     }
 
     fn check(&self) -> Result<(), StoreError> {
@@ -37,19 +42,32 @@ impl Faulty {
 }
 
 impl Store for Faulty {
-    fn put(&self, robot: &RobotId, record: &Record) -> Result<(), StoreError> {
+    fn commit(&self, changes: Vec<Change>) -> Result<(), StoreError> {
         self.check()?;
-        self.memory.put(robot, record)
+        if changes.iter().any(|change| matches!(change, Change::PutPosterior(..))) {
+            self.posteriors.lock().unwrap().clone_from(&changes);
+        }
+        self.memory.commit(changes)
     }
 
-    fn list(&self) -> Result<Vec<(RobotId, Record)>, StoreError> {
+    fn load(&self) -> Result<Contents, StoreError> {
         self.check()?;
-        self.memory.list()
+        self.memory.load()
     }
 
-    fn delete(&self, robot: &RobotId) -> Result<(), StoreError> {
+    fn generations(
+        &self,
+        evolution: &str,
+        from: usize,
+        limit: usize,
+    ) -> Result<Vec<Generation>, StoreError> {
         self.check()?;
-        self.memory.delete(robot)
+        self.memory.generations(evolution, from, limit)
+    }
+
+    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
+        self.check()?;
+        self.memory.checkpoint(evolution)
     }
 }
 
@@ -74,9 +92,9 @@ impl Gate {
         self.waiting.subscribe().wait_for(|waiting| *waiting >= count).await.unwrap();
     }
 
-    fn pass(&self) {
+    fn pass(&self, counts: bool) {
         let mut is_shut = self.is_shut.lock().unwrap();
-        if *is_shut {
+        if *is_shut && counts {
             self.waiting.send_modify(|waiting| *waiting += 1);
         }
         while *is_shut {
@@ -96,18 +114,27 @@ impl Drop for Shut {
 }
 
 impl Store for Gate {
-    fn put(&self, robot: &RobotId, record: &Record) -> Result<(), StoreError> {
-        self.pass();
-        self.memory.put(robot, record)
+    fn commit(&self, changes: Vec<Change>) -> Result<(), StoreError> {
+        // What the robots learn waits as well, but a test that counts writers does not mean it.
+        self.pass(!changes.iter().all(|change| matches!(change, Change::PutPosterior(..))));
+        self.memory.commit(changes)
     }
 
-    fn list(&self) -> Result<Vec<(RobotId, Record)>, StoreError> {
-        self.memory.list()
+    fn load(&self) -> Result<Contents, StoreError> {
+        self.memory.load()
     }
 
-    fn delete(&self, robot: &RobotId) -> Result<(), StoreError> {
-        self.pass();
-        self.memory.delete(robot)
+    fn generations(
+        &self,
+        evolution: &str,
+        from: usize,
+        limit: usize,
+    ) -> Result<Vec<Generation>, StoreError> {
+        self.memory.generations(evolution, from, limit)
+    }
+
+    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
+        self.memory.checkpoint(evolution)
     }
 }
 

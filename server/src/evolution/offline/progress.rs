@@ -1,0 +1,104 @@
+//! How far an evolution has got, on standard error: a bar on a terminal, a line now and then elsewhere.
+
+use crate::evolution::run::Meter;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use umwelt_core::evolution::{Evolution, Generation, Stage};
+
+/// How often a bar moves.
+const BAR: Duration = Duration::from_millis(100);
+
+/// How often a line is written where there is no terminal: a log is to be read, not to be filled.
+const LINE: Duration = Duration::from_secs(2);
+
+/// Shows how far an evolution has got.
+pub(super) struct Progress {
+    /// None where there is no terminal.
+    bar: Option<ProgressBar>,
+    shown: Mutex<Shown>,
+    begin: Instant,
+}
+
+/// What is known between two batches.
+#[derive(Clone, Default)]
+struct Shown {
+    stage: String,
+    total: u64,
+}
+
+impl Progress {
+    /// Of an evolution that has not begun.
+    pub(super) fn begin(evolution: &Evolution) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let template = "{msg} {wide_bar} {pos}/{len} episodes, {elapsed} + {eta}";
+            let style = ProgressStyle::with_template(template);
+            ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10))
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        let progress = Self { bar, shown: Mutex::default(), begin: Instant::now() };
+        progress.say(evolution, None);
+        progress
+    }
+
+    /// Takes in where the evolution stands between two batches.
+    pub(super) fn say(&self, evolution: &Evolution, last: Option<&Generation>) {
+        let stage = match evolution.stage() {
+            Stage::Reference => "reference".to_owned(),
+            Stage::Generations { generation } => {
+                format!("generation {} of {}", generation + 1, evolution.settings().generations)
+            }
+            Stage::Selection => "selection".to_owned(),
+            Stage::Report => "report".to_owned(),
+            Stage::Done => "done".to_owned(),
+        };
+        let fitness = last.map(|it| {
+            format!(", last fitness: best {:.3}, mean {:.3}", it.fitness.best, it.fitness.mean)
+        });
+        let stage = stage + &fitness.unwrap_or_default();
+        let total = evolution.total_episodes();
+        if let Some(bar) = &self.bar {
+            bar.set_length(total);
+            bar.set_message(stage.clone());
+        }
+        *self.shown.lock().unwrap_or_else(PoisonError::into_inner) = Shown { stage, total };
+    }
+
+    /// Does `work` and shows meanwhile what the meter says.
+    pub(super) fn follow<T>(&self, meter: &Meter, work: impl FnOnce() -> T) -> T {
+        std::thread::scope(|scope| {
+            let (working, done) = mpsc::channel::<()>();
+            scope.spawn(move || {
+                let every = if self.bar.is_some() { BAR } else { LINE };
+                while done.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
+                    self.show(meter.episodes());
+                }
+                if let Some(bar) = &self.bar {
+                    bar.finish_and_clear();
+                }
+            });
+            // Dropped when the work is done, even by a panic: then the other thread ends.
+            let _working = working;
+            work()
+        })
+    }
+
+    fn show(&self, episodes: u64) {
+        if let Some(bar) = &self.bar {
+            bar.set_position(episodes);
+            return;
+        }
+        let Shown { stage, total } =
+            self.shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let elapsed = self.begin.elapsed().as_secs_f64();
+        let left = super::super::remaining(elapsed, episodes, total);
+        let left = left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
+        // Nobody may read it; the evolution goes on.
+        let _ = writeln!(
+            std::io::stderr(),
+            "{stage}; {episodes} of {total} episodes in {elapsed:.0} s{left}"
+        );
+    }
+}

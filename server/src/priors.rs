@@ -1,0 +1,240 @@
+//! Named priors: those that come with the program, and those that are kept.
+//!
+//! Invariants: what is shown is kept; a name that robots use means the same prior for as long as they use it, so giving
+//! a robot a prior ([`Priors::giving`]) and changing priors ([`Priors::changing`]) exclude each other.
+
+use crate::etag;
+use crate::fleet::Fleet;
+use crate::store::{PriorSource, StoredPrior};
+use std::collections::BTreeMap;
+use std::ops::Bound;
+use std::sync::{Arc, PoisonError, RwLock};
+use tokio::sync::{OwnedRwLockReadGuard, OwnedRwLockWriteGuard};
+use umwelt_api::prior::{self, Source, Spec};
+use umwelt_api::{Known, PriorId, RobotId};
+use umwelt_core::controller::settings::Prior;
+use umwelt_core::identification::BUILT_IN_PRIORS;
+
+/// Most priors that are kept, about 2 kB each.
+pub(crate) const MAX_PRIORS: usize = 10_000;
+
+/// A prior with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Named {
+    pub(crate) id: PriorId,
+    pub(crate) prior: Prior,
+    pub(crate) note: Option<String>,
+    pub(crate) source: Source,
+}
+
+impl Named {
+    /// What one would put to have it.
+    fn spec(&self) -> Spec {
+        let values = umwelt_api::robot::Prior::from(self.prior);
+        Spec { note: self.note.clone(), ..values.into() }
+    }
+
+    /// Version of values and note.
+    pub(crate) fn etag(&self) -> Arc<str> {
+        etag::of(&self.spec())
+    }
+
+    /// As the wire has it, with the robots that use it.
+    pub(crate) fn shown(&self, users: &Users) -> prior::Prior {
+        let robots = users.of(&self.id).iter().cloned();
+        prior::Prior::new(self.id.clone(), self.spec(), self.source.clone(), &*self.etag())
+            .used_by(robots)
+    }
+
+    fn of_stored(stored: StoredPrior) -> Option<Self> {
+        let StoredPrior { name, prior, note, source } = stored;
+        let source = match source {
+            PriorSource::Put => Source::Put,
+            PriorSource::Evolution { evolution, seed, optimizer, fitness } => Source::Evolution {
+                evolution: evolution.parse().ok()?,
+                seed,
+                optimizer: serde_json::from_value(optimizer.into()).ok()?,
+                fitness: fitness.is_finite().then_some(fitness),
+            },
+        };
+        Some(Self { id: name.parse().ok()?, prior, note, source })
+    }
+
+    /// As it is kept; none where it comes with the program.
+    pub(crate) fn stored(&self) -> Option<StoredPrior> {
+        let source = match &self.source {
+            Source::Put => PriorSource::Put,
+            Source::Evolution { evolution, seed, optimizer, fitness } => PriorSource::Evolution {
+                evolution: evolution.to_string(),
+                seed: *seed,
+                optimizer: optimizer.name().to_owned(),
+                fitness: fitness.unwrap_or(f64::NAN),
+            },
+            Source::BuiltIn | Source::Inline => return None,
+        };
+        let (name, note) = (self.id.to_string(), self.note.clone());
+        Some(StoredPrior { name, prior: self.prior, note, source })
+    }
+}
+
+/// Which robots use which prior, at one moment.
+#[derive(Debug, Default)]
+pub(crate) struct Users(BTreeMap<String, Vec<RobotId>>);
+
+impl Users {
+    /// The robots of `fleet` by the names of their priors, in the order of their ids.
+    pub(crate) fn in_fleet(fleet: &Fleet) -> Self {
+        let mut users = Self::default();
+        for robot in fleet.robots(None) {
+            if let Some(name) = robot.snapshot().prior() {
+                users.0.entry(name.to_owned()).or_default().push(robot.id().clone());
+            }
+        }
+        users
+    }
+
+    /// Those that use this one.
+    pub(crate) fn of(&self, prior: &PriorId) -> &[RobotId] {
+        self.0.get(prior.as_str()).map(Vec::as_slice).unwrap_or_default()
+    }
+}
+
+/// All priors; cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Priors(Arc<Inner>);
+
+#[derive(Debug, Default)]
+struct Inner {
+    kept: RwLock<BTreeMap<PriorId, Named>>,
+    names: Arc<tokio::sync::RwLock<()>>,
+}
+
+impl Priors {
+    /// With those that are kept.
+    pub(crate) fn open(stored: Vec<StoredPrior>) -> Self {
+        let mut kept = BTreeMap::new();
+        for stored in stored {
+            let name = stored.name.clone();
+            match Named::of_stored(stored) {
+                Some(named) => drop(kept.insert(named.id.clone(), named)),
+                None => tracing::error!(prior = name, "what is kept of it cannot be read"),
+            }
+        }
+        Self(Arc::new(Inner { kept: RwLock::new(kept), ..Inner::default() }))
+    }
+
+    /// Names mean what they mean until the guard is dropped. Many may hold one.
+    pub(crate) async fn giving(&self) -> OwnedRwLockReadGuard<()> {
+        Arc::clone(&self.0.names).read_owned().await
+    }
+
+    /// Nobody else changes what names mean, or goes by it, until the guard is dropped.
+    pub(crate) async fn changing(&self) -> OwnedRwLockWriteGuard<()> {
+        Arc::clone(&self.0.names).write_owned().await
+    }
+
+    /// What a name stands for.
+    pub(crate) fn known(&self, name: &str) -> Known<Prior> {
+        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some(prior) = Prior::built_in(name).or_else(|| kept.get(name).map(|it| it.prior)) {
+            return Ok(prior);
+        }
+        let built_in = BUILT_IN_PRIORS.into_iter().map(str::to_owned);
+        Err(built_in.chain(kept.keys().map(ToString::to_string)).collect())
+    }
+
+    /// Where the prior of a robot comes from.
+    pub(crate) fn source(&self, name: Option<&str>) -> Source {
+        let Some(name) = name else { return Source::Inline };
+        let found = name.parse().ok().and_then(|id| self.find(&id));
+        found.map_or(Source::Put, |named| named.source)
+    }
+
+    /// The prior of this name.
+    pub(crate) fn find(&self, id: &PriorId) -> Option<Named> {
+        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
+        built_in(id).or_else(|| kept.get(id).cloned())
+    }
+
+    /// Those with names above `after`, in the order of their names, at most `limit`.
+    pub(crate) fn above(&self, after: Option<&PriorId>, limit: usize) -> Vec<Named> {
+        let from = after.map_or(Bound::Unbounded, Bound::Excluded);
+        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
+        let kept = kept.range::<PriorId, _>((from, Bound::Unbounded)).take(limit);
+        let ids = BUILT_IN_PRIORS.iter().filter_map(|name| name.parse().ok());
+        let ids = ids.filter(|id| after.is_none_or(|after| id > after));
+        let built_in = ids.filter_map(|id| built_in(&id));
+        let mut all: Vec<_> = kept.map(|(_, named)| named.clone()).chain(built_in).collect();
+        all.sort_by(|one, other| one.id.cmp(&other.id));
+        all.truncate(limit);
+        all
+    }
+
+    /// How many are kept.
+    pub(crate) fn len(&self) -> usize {
+        self.0.kept.read().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Shows a prior that is kept now.
+    pub(crate) fn insert(&self, named: Named) {
+        let mut kept = self.0.kept.write().unwrap_or_else(PoisonError::into_inner);
+        kept.insert(named.id.clone(), named);
+    }
+
+    /// Shows one no more that is not kept any more.
+    pub(crate) fn remove(&self, id: &PriorId) {
+        self.0.kept.write().unwrap_or_else(PoisonError::into_inner).remove(id);
+    }
+}
+
+fn built_in(id: &PriorId) -> Option<Named> {
+    let prior = Prior::built_in(id.as_str())?;
+    Some(Named { id: id.clone(), prior, note: None, source: Source::BuiltIn })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(id: &str) -> Named {
+        Named { id: id.parse().unwrap(), prior: Prior::flat(), note: None, source: Source::Put }
+    }
+
+    #[test]
+    fn names_are_listed_in_order_those_of_the_program_among_them() {
+        let priors = Priors::default();
+        for id in ["zoo", "dune", "a"] {
+            priors.insert(named(id));
+        }
+        let ids = |after: Option<&str>, limit| -> Vec<String> {
+            let after = after.map(|after| after.parse().unwrap());
+            priors.above(after.as_ref(), limit).iter().map(|it| it.id.to_string()).collect()
+        };
+        assert_eq!(ids(None, 9), ["a", "default", "dune", "flat", "thesis", "zoo"]);
+        assert_eq!(ids(None, 2), ["a", "default"]);
+        assert_eq!(ids(Some("default"), 2), ["dune", "flat"]);
+        assert_eq!(ids(Some("zoo"), 2), [""; 0]);
+    }
+
+    #[test]
+    fn a_name_that_nobody_knows_is_answered_with_those_that_there_are() {
+        let priors = Priors::default();
+        priors.insert(named("dune"));
+        assert_eq!(priors.known("dune"), Ok(Prior::flat()));
+        assert_eq!(priors.known("oasis").unwrap_err(), ["default", "flat", "thesis", "dune"]);
+    }
+
+    #[test]
+    fn what_is_kept_comes_back() {
+        let source = Source::Evolution {
+            evolution: "evolution-7".parse().unwrap(),
+            seed: 3,
+            optimizer: umwelt_api::evolution::Optimizer::CmaEs,
+            fitness: Some(1.25),
+        };
+        for named in [named("dune"), Named { source, note: Some("n".into()), ..named("oasis") }] {
+            assert_eq!(Named::of_stored(named.stored().unwrap()), Some(named));
+        }
+        assert_eq!(built_in(&"flat".parse().unwrap()).unwrap().stored(), None);
+    }
+}

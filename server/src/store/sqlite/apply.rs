@@ -1,0 +1,105 @@
+//! Changes as SQL.
+
+use super::document;
+use crate::store::{Change, StoredEvolution};
+use rusqlite::{Connection, params};
+use umwelt_core::controller::STATE_VERSION;
+
+/// Why a change is not made.
+#[derive(Debug)]
+pub(super) enum ApplyError {
+    /// SQLite says no.
+    Sqlite(rusqlite::Error),
+    /// It cannot be written down.
+    Unfit(String),
+}
+
+impl From<rusqlite::Error> for ApplyError {
+    fn from(error: rusqlite::Error) -> Self {
+        Self::Sqlite(error)
+    }
+}
+
+impl From<document::Unfit> for ApplyError {
+    fn from(unfit: document::Unfit) -> Self {
+        Self::Unfit(unfit.to_string())
+    }
+}
+
+/// Makes one change.
+pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), ApplyError> {
+    let run = |sql: &str, values: &[&dyn rusqlite::ToSql]| -> Result<(), ApplyError> {
+        connection.prepare_cached(sql)?.execute(values)?;
+        Ok(())
+    };
+    match change {
+        Change::PutRobot(id, record) => {
+            let revision = integer(record.revision)?;
+            run(
+                "DELETE FROM posteriors WHERE robot = ?1 \
+                 AND EXISTS (SELECT 1 FROM robots WHERE id = ?1 AND revision <> ?2)",
+                params![id.as_str(), revision],
+            )?;
+            run(
+                "INSERT INTO robots (id, revision, body) VALUES (?1, ?2, ?3) \
+                 ON CONFLICT (id) DO UPDATE SET revision = excluded.revision, body = excluded.body",
+                params![id.as_str(), revision, document::of_record(record)?],
+            )
+        }
+        Change::DeleteRobot(id) => run("DELETE FROM robots WHERE id = ?1", params![id.as_str()]),
+        Change::PutPosterior(id, posterior) => run(
+            "INSERT OR REPLACE INTO posteriors (robot, version, body) \
+             SELECT id, ?3, ?4 FROM robots WHERE id = ?1 AND revision = ?2",
+            params![
+                id.as_str(),
+                integer(posterior.revision)?,
+                STATE_VERSION,
+                document::of_saved(&posterior.saved)?
+            ],
+        ),
+        Change::PutPrior(prior) => run(
+            "INSERT OR REPLACE INTO priors (name, body) VALUES (?1, ?2)",
+            params![prior.name, document::of_prior(prior)?],
+        ),
+        Change::DeletePrior(name) => run("DELETE FROM priors WHERE name = ?1", params![name]),
+        Change::PutEnvironment(environment) => run(
+            "INSERT OR REPLACE INTO environments (name, body) VALUES (?1, ?2)",
+            params![environment.name, environment.body],
+        ),
+        Change::DeleteEnvironment(name) => {
+            run("DELETE FROM environments WHERE name = ?1", params![name])
+        }
+        Change::PutEvolution(StoredEvolution { id, number, finished, body }) => {
+            let number = integer(*number)?;
+            run(
+                "INSERT INTO evolutions (id, number, finished, body) VALUES (?1, ?2, ?3, ?4) \
+                 ON CONFLICT (id) DO UPDATE SET number = excluded.number, \
+                 finished = excluded.finished, body = excluded.body",
+                params![id, number, finished, body],
+            )?;
+            run(
+                "UPDATE numbers SET value = max(value, ?1) WHERE name = 'last_evolution'",
+                params![number],
+            )
+        }
+        Change::DeleteEvolution(id) => run("DELETE FROM evolutions WHERE id = ?1", params![id]),
+        Change::PutGeneration { evolution, index, body } => run(
+            "INSERT OR REPLACE INTO generations (evolution, position, body) \
+             SELECT id, ?2, ?3 FROM evolutions WHERE id = ?1",
+            params![evolution, integer(*index as u64)?, body],
+        ),
+        Change::PutCheckpoint { evolution, body } => run(
+            "INSERT OR REPLACE INTO checkpoints (evolution, body) \
+             SELECT id, ?2 FROM evolutions WHERE id = ?1",
+            params![evolution, body],
+        ),
+        Change::DeleteCheckpoint(evolution) => {
+            run("DELETE FROM checkpoints WHERE evolution = ?1", params![evolution])
+        }
+    }
+}
+
+/// SQLite's integers have a sign.
+fn integer(number: u64) -> Result<i64, ApplyError> {
+    i64::try_from(number).map_err(|_| ApplyError::Unfit(format!("{number} is too large")))
+}

@@ -1,0 +1,98 @@
+//! The durable store: one SQLite file in the data directory.
+//!
+//! One thread writes, in groups (`writer`); reads go through a connection of their own and never wait for it. What is
+//! acknowledged is on the disk: write-ahead log, synced at every commit.
+
+mod apply;
+mod backup;
+mod document;
+mod open;
+mod read;
+mod schema;
+mod writer;
+
+pub use backup::{Backup, BackupError, backup};
+pub use open::{DATA_FILE, LOCK_FILE, OpenError};
+
+use super::{Change, Contents, Generation, Store, StoreError};
+use open::Opened;
+use rusqlite::Connection;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use writer::{Request, Writer};
+
+/// Keeps everything in a file of a data directory, which no other server can use meanwhile.
+#[derive(Debug)]
+pub struct SqliteStore {
+    writer: Writer,
+    reader: Mutex<Connection>,
+    opened: Opened,
+}
+
+impl SqliteStore {
+    /// Opens the store in `directory`, which is made where there is none. An older store is brought up to date.
+    ///
+    /// # Errors
+    /// Where it cannot be used; the message says what to do.
+    pub fn open(directory: &Path) -> Result<Self, OpenError> {
+        Self::open_with(directory, None)
+    }
+
+    /// The same with at most so many pages: a disk that is full after them.
+    fn open_with(directory: &Path, max_pages: Option<u32>) -> Result<Self, OpenError> {
+        let (opened, connection) = open::open(directory, schema::MIGRATIONS)?;
+        let reader = opened.reader()?;
+        if let Some(max_pages) = max_pages {
+            let limit = connection.pragma_update(None, "max_page_count", max_pages);
+            limit.map_err(|error| opened.unusable(error.into()))?;
+        }
+        let writer = Writer::start(connection, opened.file.clone())
+            .map_err(|error| OpenError::Directory { directory: directory.into(), error })?;
+        Ok(Self { writer, reader: Mutex::new(reader), opened })
+    }
+
+    fn reader(&self) -> MutexGuard<'_, Connection> {
+        // A read leaves nothing behind in the connection.
+        self.reader.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An error of a read as the server sees it.
+    fn failed(&self, error: read::ReadError) -> StoreError {
+        error.in_file(&self.opened.file)
+    }
+}
+
+impl Store for SqliteStore {
+    fn commit(&self, changes: Vec<Change>) -> Result<(), StoreError> {
+        self.writer.ask(Request::Commit(changes))
+    }
+
+    fn load(&self) -> Result<Contents, StoreError> {
+        read::contents(&mut self.reader()).map_err(|error| self.failed(error))
+    }
+
+    fn generations(
+        &self,
+        evolution: &str,
+        from: usize,
+        limit: usize,
+    ) -> Result<Vec<Generation>, StoreError> {
+        let read = read::generations(&self.reader(), evolution, from, limit);
+        read.map_err(|error| self.failed(error))
+    }
+
+    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
+        read::checkpoint(&self.reader(), evolution).map_err(|error| self.failed(error))
+    }
+
+    fn probe(&self) -> Result<(), StoreError> {
+        self.writer.ask(Request::Probe)
+    }
+
+    fn settle(&self) -> Result<(), StoreError> {
+        self.writer.ask(Request::Settle)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,245 @@
+//! The data directory: made, locked, and its file opened so that what is acknowledged is on the disk.
+
+use super::schema::{self, Unusable};
+use crate::store::StoreError;
+use rusqlite::{Connection, ErrorCode, OpenFlags};
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The data file in the data directory.
+pub const DATA_FILE: &str = "umwelt.sqlite";
+
+/// The file that a running server holds locked. Its content says nothing, and it may stay.
+pub const LOCK_FILE: &str = "umwelt.lock";
+
+/// How long to wait where another program holds the data file, as an `sqlite3` shell may: longer than any of its
+/// statements should take, shorter than a client waits.
+const BUSY: Duration = Duration::from_secs(2);
+
+/// Size in bytes to which the write-ahead log shrinks again after a burst.
+const LOG_SIZE: i64 = 16 << 20;
+
+/// Why a data directory cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Directory or lock file cannot be made or opened.
+    #[error(
+        "cannot use the data directory {}: {error}; make it writable, name another one with --data, or keep nothing \
+         with --in-memory", .directory.display()
+    )]
+    Directory {
+        /// Which one.
+        directory: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Another server uses it.
+    #[error(
+        "the data directory {} is in use by another umwelt-server; stop that one, or name another directory with \
+         --data", .directory.display()
+    )]
+    InUse {
+        /// Which one.
+        directory: PathBuf,
+    },
+    /// There is no data file.
+    #[error("there is no data file {}; name the data directory of the server with --data", .file.display())]
+    Missing {
+        /// Which one.
+        file: PathBuf,
+    },
+    /// The file is of another program.
+    #[error("{} is no data file of umwelt-server; name another directory with --data", .file.display())]
+    Foreign {
+        /// Which one.
+        file: PathBuf,
+    },
+    /// The file is of a newer program.
+    #[error(
+        "{} was written by a newer umwelt-server: its tables are of version {version}, this one knows up to {known}; \
+         use the newer one, or a backup made before it", .file.display()
+    )]
+    Newer {
+        /// Which one.
+        file: PathBuf,
+        /// Version of its tables.
+        version: usize,
+        /// The newest version that this program knows.
+        known: usize,
+    },
+    /// The file is damaged.
+    #[error(
+        "{} is damaged: {what}; move it away with the files beside it whose names begin with its own, and put a backup \
+         in its place or begin anew without one", .file.display()
+    )]
+    Damaged {
+        /// Which one.
+        file: PathBuf,
+        /// What is found.
+        what: String,
+    },
+    /// The file cannot be read or written now.
+    #[error("cannot use {}: {what}; {remedy}", .file.display())]
+    Unavailable {
+        /// Which one.
+        file: PathBuf,
+        /// What SQLite says.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+}
+
+/// A data directory in use.
+#[derive(Debug)]
+pub(super) struct Opened {
+    pub(super) file: PathBuf,
+    /// Locked as long as it is open.
+    _lock: File,
+}
+
+/// Opens the data directory and its file, with tables as of `migrations`, for the one who writes.
+pub(super) fn open(
+    directory: &Path,
+    migrations: &[&str],
+) -> Result<(Opened, Connection), OpenError> {
+    let refused = |error| OpenError::Directory { directory: directory.to_path_buf(), error };
+    fs::create_dir_all(directory).map_err(refused)?;
+    let lock = lock(directory)?;
+    let opened = Opened { file: directory.join(DATA_FILE), _lock: lock };
+    let connection = opened.writer(migrations)?;
+    // The entries of new files are on the disk with this.
+    File::open(directory).and_then(|directory| directory.sync_all()).map_err(refused)?;
+    Ok((opened, connection))
+}
+
+fn lock(directory: &Path) -> Result<File, OpenError> {
+    let directory = directory.to_path_buf();
+    let file = directory.join(LOCK_FILE);
+    let lock = match File::options().create(true).truncate(false).write(true).open(file) {
+        Ok(lock) => lock,
+        Err(error) => return Err(OpenError::Directory { directory, error }),
+    };
+    match lock.try_lock() {
+        Ok(()) => Ok(lock),
+        Err(TryLockError::WouldBlock) => Err(OpenError::InUse { directory }),
+        Err(TryLockError::Error(error)) => Err(OpenError::Directory { directory, error }),
+    }
+}
+
+impl Opened {
+    fn writer(&self, migrations: &[&str]) -> Result<Connection, OpenError> {
+        let newer = |version| OpenError::Newer {
+            file: self.file.clone(),
+            version,
+            known: migrations.len(),
+        };
+        self.try_writer(migrations).map_err(|unusable| match unusable {
+            Unusable::Newer { version } => newer(version),
+            other => self.unusable(other),
+        })
+    }
+
+    fn try_writer(&self, migrations: &[&str]) -> Result<Connection, Unusable> {
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE
+            | OpenFlags::SQLITE_OPEN_CREATE
+            | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let mut connection = Connection::open_with_flags(&self.file, flags)?;
+        connection.busy_timeout(BUSY)?;
+        // First of all whose it is: a file of another program is not touched.
+        if schema::version(&connection, migrations.len())?.is_some() {
+            check(&connection)?;
+        }
+        connection.pragma_update_and_check(None, "journal_mode", "wal", |_| Ok(()))?;
+        connection.pragma_update_and_check(None, "journal_size_limit", LOG_SIZE, |_| Ok(()))?;
+        connection.pragma_update(None, "synchronous", "full")?;
+        // On a Mac only this reaches the disk.
+        connection.pragma_update(None, "fullfsync", true)?;
+        connection.pragma_update(None, "checkpoint_fullfsync", true)?;
+        connection.pragma_update(None, "foreign_keys", true)?;
+        schema::migrate(&mut connection, migrations)?;
+        // A file that cannot be written opens all the same: find out now.
+        connection.execute(PROBE, [])?;
+        Ok(connection)
+    }
+
+    /// A connection that only reads.
+    pub(super) fn reader(&self) -> Result<Connection, OpenError> {
+        read_only(&self.file).map_err(|error| self.unusable(error.into()))
+    }
+
+    /// What it means that the data file cannot be used.
+    pub(super) fn unusable(&self, unusable: Unusable) -> OpenError {
+        unusable_file(&self.file, unusable)
+    }
+}
+
+/// Writes and changes nothing that matters.
+pub(super) const PROBE: &str = "UPDATE numbers SET value = value + 1 WHERE name = 'probe'";
+
+/// A connection to `file` that only reads.
+pub(super) fn read_only(file: &Path) -> rusqlite::Result<Connection> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = Connection::open_with_flags(file, flags)?;
+    connection.busy_timeout(BUSY)?;
+    Ok(connection)
+}
+
+/// Whether every page and every row can be read.
+pub(super) fn check(connection: &Connection) -> Result<(), Unusable> {
+    let found: String = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
+    if found == "ok" { Ok(()) } else { Err(Unusable::Damaged(found)) }
+}
+
+/// What it means that `file` cannot be used.
+pub(super) fn unusable_file(file: &Path, unusable: Unusable) -> OpenError {
+    let file = file.to_path_buf();
+    match unusable {
+        Unusable::Foreign => OpenError::Foreign { file },
+        Unusable::Newer { version } => {
+            OpenError::Newer { file, version, known: schema::MIGRATIONS.len() }
+        }
+        Unusable::Damaged(what) => OpenError::Damaged { file, what },
+        Unusable::Failed(error) => match kind(&error) {
+            Kind::Damaged => OpenError::Damaged { file, what: error.to_string() },
+            Kind::Unavailable(remedy) | Kind::Rejected(remedy) => {
+                OpenError::Unavailable { file, what: error.to_string(), remedy }
+            }
+        },
+    }
+}
+
+/// What an error of SQLite means, and what to do about it.
+enum Kind {
+    Unavailable(&'static str),
+    Damaged,
+    Rejected(&'static str),
+}
+
+fn kind(error: &rusqlite::Error) -> Kind {
+    match error.sqlite_error_code() {
+        Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => Kind::Damaged,
+        Some(ErrorCode::DiskFull) => Kind::Unavailable("free some space on its disk"),
+        Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => {
+            Kind::Unavailable("another program holds it, such as an sqlite3 shell: end that")
+        }
+        Some(ErrorCode::ReadOnly | ErrorCode::PermissionDenied | ErrorCode::CannotOpen) => {
+            Kind::Unavailable("make the file and its directory writable for the server's user")
+        }
+        Some(ErrorCode::TooBig | ErrorCode::ConstraintViolation | ErrorCode::TypeMismatch)
+        | None => Kind::Rejected("please report this"),
+        Some(_) => Kind::Unavailable("look at its disk and the system's log"),
+    }
+}
+
+/// An error of a call while the store is in use.
+pub(super) fn call_failed(file: &Path, error: &rusqlite::Error) -> StoreError {
+    let said = format!("{}: {error}", file.display());
+    match kind(error) {
+        Kind::Unavailable(remedy) => StoreError::Unavailable(format!("{said}; {remedy}")),
+        Kind::Damaged => StoreError::Damaged(said),
+        Kind::Rejected(_) => StoreError::Rejected(said),
+    }
+}

@@ -1,0 +1,385 @@
+use super::schema::{MIGRATIONS, Unusable};
+use super::*;
+use crate::store::tests::{evolution, id, record, saved};
+use crate::store::{Change, Posterior};
+use std::fs;
+use std::path::PathBuf;
+use tempfile::{TempDir, tempdir};
+use umwelt_core::controller::STATE_VERSION;
+
+fn open(directory: &TempDir) -> SqliteStore {
+    SqliteStore::open(directory.path()).unwrap()
+}
+
+fn file(directory: &TempDir) -> PathBuf {
+    directory.path().join(DATA_FILE)
+}
+
+/// A connection beside the store, as another program has one.
+fn beside(directory: &TempDir) -> Connection {
+    Connection::open(file(directory)).unwrap()
+}
+
+fn robot(name: &str, revision: u64) -> Change {
+    Change::PutRobot(id(name), Box::new(record(revision)))
+}
+
+fn learned(name: &str, revision: u64) -> Change {
+    let saved = saved(&record(revision), 2);
+    Change::PutPosterior(id(name), Box::new(Posterior { revision, saved }))
+}
+
+/// A change that takes many pages.
+fn large(number: u64) -> Change {
+    Change::PutEvolution(evolution(number, &"x".repeat(400_000)))
+}
+
+fn message(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+#[test]
+fn what_is_acknowledged_is_there_when_it_is_opened_again() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store
+        .commit(vec![robot("r", 1), learned("r", 1), Change::PutEvolution(evolution(7, "x"))])
+        .unwrap();
+    let before = store.load().unwrap();
+    drop(store);
+    let after = open(&directory).load().unwrap();
+    assert_eq!(after, before);
+    assert!(after.robots[0].saved.is_some() && after.last_evolution == 7);
+}
+
+/// The bug to fear: an acknowledgement before the disk has it. A kill does not show it, only a power cut would.
+#[test]
+fn every_commit_is_synced_to_the_disk() {
+    let directory = tempdir().unwrap();
+    let (_opened, connection) = open::open(directory.path(), MIGRATIONS).unwrap();
+    let pragma = |name| connection.pragma_query_value(None, name, |row| row.get::<_, i64>(0));
+    assert_eq!(pragma("synchronous"), Ok(2), "full");
+    assert_eq!(pragma("foreign_keys"), Ok(1));
+    let mode = connection.pragma_query_value(None, "journal_mode", |row| row.get::<_, String>(0));
+    assert_eq!(mode.unwrap(), "wal");
+}
+
+#[test]
+fn a_commit_is_all_or_nothing() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.commit(vec![robot("r", 1)]).unwrap();
+    let before = store.load().unwrap();
+    let impossible = Change::PutRobot(id("s"), Box::new(record(u64::MAX)));
+    for changes in [
+        vec![robot("new", 1), impossible.clone()],
+        vec![Change::DeleteRobot(id("r")), impossible.clone(), robot("t", 1)],
+    ] {
+        assert!(matches!(store.commit(changes), Err(StoreError::Rejected(_))));
+        assert_eq!(store.load().unwrap(), before);
+    }
+}
+
+/// The bug to fear: JSON has no infinity, so what was acknowledged could never be read again.
+#[test]
+fn what_could_not_be_read_back_is_rejected() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    let mut endless = record(1);
+    endless.settings.variance.position = f64::INFINITY;
+    let put = store.commit(vec![Change::PutRobot(id("r"), Box::new(endless))]);
+    assert!(matches!(put, Err(StoreError::Rejected(_))), "{put:?}");
+    assert_eq!(store.load().unwrap().robots, []);
+}
+
+/// Requests that wait while the writer is held up are written together: one that cannot be made fails alone.
+#[test]
+fn of_a_group_only_the_bad_one_fails() {
+    let directory = tempdir().unwrap();
+    let (opened, connection) = open::open(directory.path(), MIGRATIONS).unwrap();
+    let results = writer::write_together(
+        connection,
+        &opened.file,
+        vec![
+            Request::Commit(vec![robot("a", 1)]),
+            Request::Commit(vec![robot("lost", 1), robot("b", u64::MAX)]),
+            Request::Probe,
+            Request::Commit(vec![robot("c", 1)]),
+        ],
+    );
+    let is_ok: Vec<_> = results.iter().map(Result::is_ok).collect();
+    assert_eq!(is_ok, [true, false, true, true], "{results:?}");
+    drop(opened);
+    let names: Vec<_> =
+        open(&directory).load().unwrap().robots.into_iter().map(|robot| robot.id).collect();
+    assert_eq!(names, [id("a"), id("c")]);
+}
+
+/// The bug to fear: a change that is too large for what is left of the disk takes the others of its group with it.
+#[test]
+fn a_full_disk_refuses_what_does_not_fit_and_keeps_the_rest() {
+    let directory = tempdir().unwrap();
+    let (opened, connection) = open::open(directory.path(), MIGRATIONS).unwrap();
+    connection.pragma_update(None, "max_page_count", 60).unwrap();
+    let results = writer::write_together(
+        connection,
+        &opened.file,
+        vec![
+            Request::Commit(vec![robot("a", 1)]),
+            Request::Commit(vec![robot("lost", 1), large(1)]),
+            Request::Commit(vec![robot("b", 1)]),
+        ],
+    );
+    assert_eq!((&results[0], &results[2]), (&Ok(()), &Ok(())));
+    let Err(StoreError::Unavailable(said)) = &results[1] else { panic!("{results:?}") };
+    assert!(said.contains("full") && said.contains("free some space"), "{said}");
+    drop(opened);
+    let robots = open(&directory).load().unwrap().robots;
+    assert_eq!(robots.iter().map(|robot| robot.id.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+}
+
+#[test]
+fn a_store_whose_disk_was_full_works_again_once_there_is_room() {
+    let directory = tempdir().unwrap();
+    let store = SqliteStore::open_with(directory.path(), Some(250)).unwrap();
+    store.commit(vec![large(1), robot("r", 1)]).unwrap();
+    let before = store.load().unwrap();
+    for _ in 0..2 {
+        let refused = store.commit(vec![robot("s", 1), large(2), large(3)]);
+        assert!(matches!(refused, Err(StoreError::Unavailable(_))), "{refused:?}");
+        assert_eq!(store.load().unwrap(), before);
+    }
+    store.commit(vec![Change::DeleteEvolution("evolution-1".into())]).unwrap();
+    assert_eq!(store.commit(vec![large(2), robot("s", 1)]), Ok(()));
+    assert_eq!(store.probe(), Ok(()));
+}
+
+#[test]
+fn a_store_that_another_program_holds_says_so_and_works_again_afterwards() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    let other = beside(&directory);
+    other.execute_batch("BEGIN IMMEDIATE").unwrap();
+    let Err(StoreError::Unavailable(said)) = store.probe() else { panic!("it is held") };
+    assert!(said.contains("another program holds it"), "{said}");
+    assert_eq!(store.load().unwrap().robots, [], "reading works all the same");
+    other.execute_batch("ROLLBACK").unwrap();
+    assert_eq!(store.commit(vec![robot("r", 1)]), Ok(()));
+}
+
+/// The bug to fear: SQLite goes on writing to a file that has no name any more, and all of it is lost.
+#[test]
+fn a_file_that_was_moved_away_is_not_written_to() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    let aside = directory.path().join("aside");
+    fs::rename(file(&directory), &aside).unwrap();
+    let Err(StoreError::Unavailable(said)) = store.commit(vec![robot("r", 1)]) else {
+        panic!("it is gone")
+    };
+    assert!(said.contains("put it back"), "{said}");
+    fs::rename(&aside, file(&directory)).unwrap();
+    assert_eq!(store.commit(vec![robot("r", 1)]), Ok(()));
+}
+
+#[test]
+fn a_second_server_on_the_same_directory_is_refused() {
+    let directory = tempdir().unwrap();
+    let first = open(&directory);
+    let refused = SqliteStore::open(directory.path());
+    assert!(matches!(&refused, Err(OpenError::InUse { .. })), "{refused:?}");
+    assert!(message(refused.unwrap_err()).contains("in use by another umwelt-server"));
+    drop(first);
+    open(&directory);
+}
+
+#[test]
+fn a_file_that_is_no_data_file_is_refused_and_not_touched() {
+    let directory = tempdir().unwrap();
+    beside(&directory).execute_batch("CREATE TABLE theirs (x); PRAGMA user_version = 1").unwrap();
+    let before = fs::read(file(&directory)).unwrap();
+    let refused = SqliteStore::open(directory.path());
+    assert!(matches!(refused, Err(OpenError::Foreign { .. })), "{refused:?}");
+    assert_eq!(fs::read(file(&directory)).unwrap(), before);
+}
+
+#[test]
+fn a_file_of_a_newer_program_is_refused_and_not_touched() {
+    let directory = tempdir().unwrap();
+    drop(open(&directory));
+    let newer = MIGRATIONS.len() + 1;
+    beside(&directory).pragma_update(None, "user_version", newer as i64).unwrap();
+    let before = fs::read(file(&directory)).unwrap();
+    let refused = SqliteStore::open(directory.path()).unwrap_err();
+    let OpenError::Newer { version, known, .. } = refused else { panic!("{refused:?}") };
+    assert_eq!((version, known), (newer, MIGRATIONS.len()));
+    assert!(message(refused).contains("use the newer one, or a backup"));
+    assert_eq!(fs::read(file(&directory)).unwrap(), before);
+}
+
+/// A file as the first released program writes it, by hand: it opens, and means the same for ever.
+#[test]
+fn a_database_of_version_1_opens() {
+    let directory = tempdir().unwrap();
+    let by_hand = include_str!("version-1-example.sql");
+    beside(&directory).execute_batch(&format!("{}{by_hand}", MIGRATIONS[0])).unwrap();
+    let contents = open(&directory).load().unwrap();
+    let rover = &contents.robots[0];
+    assert_eq!(rover.id, id("rover-7"));
+    assert_eq!((rover.record.revision, rover.record.settings.slots), (12, 7));
+    assert_eq!(rover.record.prior.as_deref(), Some("wet-floor"));
+    assert_eq!(rover.record.task.as_ref().map(|task| task.waypoints.len()), Some(2));
+    assert!(rover.record.stopped);
+    assert_eq!(rover.saved, None, "what it learned was of state version 1: it learns anew");
+    assert_eq!(contents.priors[0].name, "wet-floor");
+    assert!(matches!(
+        &contents.priors[0].source,
+        crate::store::PriorSource::Evolution { seed: 18_446_744_073_709_551_615, .. }
+    ));
+    assert_eq!(contents.environments[0].body, "{\"version\":1}");
+    assert_eq!((contents.evolutions[0].number, contents.last_evolution), (3, 5));
+}
+
+/// The bug to fear: the form of what robots learn changes under the same version, and all of them forget.
+#[test]
+fn the_form_of_what_was_learned_is_that_of_its_version() {
+    let (version, example) = (2, include_str!("saved-example.json").trim_end());
+    assert_eq!(version, STATE_VERSION, "put the new form into saved-example.json");
+    let saved = document::saved(example).unwrap_or_else(|why| panic!("raise STATE_VERSION: {why}"));
+    assert_eq!(saved.belief().link.estimate().samples, 2);
+    assert_eq!(document::of_saved(&saved).unwrap(), example, "raise STATE_VERSION");
+}
+
+/// An older file is brought up to date step by step, and a step that fails leaves it as it was.
+#[test]
+fn migrations_lead_forward_whole_or_not_at_all() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.commit(vec![robot("r", 1)]).unwrap();
+    drop(store);
+    let next = "ALTER TABLE robots ADD COLUMN colour TEXT NOT NULL DEFAULT 'grey'";
+    let broken = [MIGRATIONS, &[next, "CREATE TABLE half (x); CREATE TABLE robots (x)"]].concat();
+    assert!(open::open(directory.path(), &broken).is_err());
+    let at = schema::version(&beside(&directory), 9);
+    assert_eq!(at, Ok(Some(MIGRATIONS.len() + 1)), "the step that worked stays");
+    let half = beside(&directory).prepare("SELECT * FROM half").map(drop);
+    assert!(half.is_err(), "of the one that failed there is nothing");
+
+    let mended = [MIGRATIONS, &[next, "CREATE TABLE whole (x)"]].concat();
+    let (_opened, connection) = open::open(directory.path(), &mended).unwrap();
+    let colour = "SELECT colour FROM robots WHERE id = 'r'";
+    assert_eq!(connection.query_row(colour, [], |row| row.get(0)), Ok("grey".to_owned()));
+    let refused = schema::version(&connection, MIGRATIONS.len());
+    assert_eq!(refused, Err(Unusable::Newer { version: MIGRATIONS.len() + 2 }));
+}
+
+#[test]
+fn a_damaged_file_is_refused_and_says_what_to_do() {
+    type Damage = fn(&mut Vec<u8>);
+    let damages: [(&str, Damage); 3] = [
+        ("no database at all", |bytes| bytes.fill(b'x')),
+        ("a page in the middle", |bytes| {
+            let half = bytes.len() / 2;
+            bytes[half..half + 4096].fill(0xff);
+        }),
+        ("cut off", |bytes| bytes.truncate(bytes.len() / 2)),
+    ];
+    for (what, damage) in damages {
+        let directory = tempdir().unwrap();
+        let store = open(&directory);
+        for number in 0..40 {
+            store.commit(vec![robot(&format!("r{number}"), 1)]).unwrap();
+        }
+        drop(store);
+        let mut bytes = fs::read(file(&directory)).unwrap();
+        damage(&mut bytes);
+        fs::write(file(&directory), bytes).unwrap();
+        let refused = SqliteStore::open(directory.path());
+        let Err(error @ OpenError::Damaged { .. }) = refused else { panic!("{what}: {refused:?}") };
+        let said = message(error);
+        assert!(said.contains(DATA_FILE) && said.contains("put a backup in its place"), "{said}");
+    }
+}
+
+/// A file that is damaged while the server runs is damage, not a store that may come back.
+#[test]
+fn damage_that_shows_only_in_use_is_called_damage() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.commit(vec![robot("r", 1)]).unwrap();
+    beside(&directory).execute_batch("UPDATE robots SET body = '{\"version\": 1}'").unwrap();
+    let Err(StoreError::Damaged(said)) = store.load() else { panic!("it means nothing") };
+    assert!(said.contains("robot r") && said.contains(DATA_FILE), "{said}");
+    beside(&directory).execute_batch("UPDATE robots SET body = '{\"version\": 2}'").unwrap();
+    let Err(StoreError::Damaged(said)) = store.load() else { panic!("it is of a newer program") };
+    assert!(said.contains("version 2"), "{said}");
+}
+
+/// The bug to fear: a new version of what robots learn keeps the server from starting.
+#[test]
+fn what_was_learned_in_another_version_is_left_out_and_the_robot_stays() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.commit(vec![robot("r", 1), learned("r", 1)]).unwrap();
+    for spoil in [
+        format!("UPDATE posteriors SET version = {}", STATE_VERSION + 1),
+        format!("UPDATE posteriors SET version = {STATE_VERSION}, body = '{{}}'"),
+    ] {
+        assert_eq!(beside(&directory).execute(&spoil, []), Ok(1));
+        let robots = store.load().unwrap().robots;
+        assert_eq!((robots.len(), &robots[0].saved), (1, &None), "{spoil}");
+    }
+}
+
+#[test]
+fn a_store_is_tidied_up_into_one_file() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.commit(vec![robot("r", 1)]).unwrap();
+    let log = directory.path().join(format!("{DATA_FILE}-wal"));
+    assert!(fs::metadata(&log).unwrap().len() > 0);
+    store.settle().unwrap();
+    assert_eq!(fs::metadata(&log).unwrap().len(), 0);
+    assert_eq!(store.load().unwrap().robots.len(), 1);
+}
+
+#[test]
+fn a_backup_of_a_store_in_use_is_a_data_file_of_its_own() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    let generation =
+        Change::PutGeneration { evolution: "evolution-1".into(), index: 0, body: "g".into() };
+    let first = vec![robot("r", 1), Change::PutEvolution(evolution(1, "x")), generation];
+    store.commit(first).unwrap();
+    let elsewhere = tempdir().unwrap();
+    let target = file(&elsewhere);
+    let made = backup(directory.path(), &target).unwrap();
+    assert_eq!((made.robots, made.evolutions, made.generations), (1, 1, 1));
+    assert_eq!(made.bytes, fs::metadata(&target).unwrap().len());
+    let then = store.load().unwrap();
+    store.commit(vec![robot("later", 1)]).unwrap();
+    let copy = open(&elsewhere);
+    assert_eq!(copy.load().unwrap(), then);
+    copy.commit(vec![robot("s", 1)]).unwrap();
+    assert_eq!(store.load().unwrap().robots.len(), 2, "they are two");
+}
+
+#[test]
+fn a_backup_replaces_nothing_and_leaves_nothing_behind() {
+    let directory = tempdir().unwrap();
+    drop(open(&directory));
+    let target = directory.path().join("copy");
+    fs::write(&target, "precious").unwrap();
+    assert!(matches!(backup(directory.path(), &target), Err(BackupError::Exists(_))));
+    assert_eq!(fs::read(&target).unwrap(), b"precious");
+    let nowhere = directory.path().join("no/such/place");
+    assert!(matches!(backup(directory.path(), &nowhere), Err(BackupError::Target { .. })));
+    let empty = tempdir().unwrap();
+    let missing = backup(empty.path(), &target.with_extension("2"));
+    assert!(matches!(missing, Err(BackupError::Source(OpenError::Missing { .. }))));
+    let mut names: Vec<_> =
+        fs::read_dir(directory.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.retain(|name| !name.to_string_lossy().starts_with("umwelt."));
+    assert_eq!(names, ["copy"]);
+    assert_eq!(fs::read_dir(empty.path()).unwrap().count(), 0, "looking makes nothing");
+}

@@ -1,0 +1,422 @@
+//! Evolutions in the background: their life, their end, and that a restart changes nothing.
+
+use crate::api::{Answer, Api, JSON, config};
+use crate::events::Stream;
+use crate::stores::{Faulty, UNAVAILABLE, WORKS};
+use axum::body::Body;
+use serde_json::{Value, json};
+use std::sync::Arc;
+use std::time::Duration;
+use umwelt_api::evolution::Request;
+use umwelt_server::offline::{Order, evolve};
+use umwelt_server::store::{Change, MemoryStore};
+use umwelt_server::{Config, Priority, Server, Store};
+
+/// Far above what anything here takes, on whatever machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// An evolution of a second or so.
+pub(crate) fn small() -> Value {
+    json!({
+        "preset": "quick", "environments": ["normal"], "population": 4, "generations": 3, "trials": 1,
+        "selection_trials": 1, "report_trials": 2, "seed": 7
+    })
+}
+
+/// One that does not end while a test lasts.
+pub(crate) fn long() -> Value {
+    json!({"preset": "quick", "environments": ["normal"], "population": 4, "generations": 1000, "trials": 1})
+}
+
+/// Evolutions as on a machine of their own: at the lowest priority they would wait for everything that is compiled
+/// beside the tests.
+pub(crate) fn hurried() -> Config {
+    Config { evolution_threads: Some(2), evolution_priority: Priority::Normal, ..config() }
+}
+
+pub(crate) async fn serve(store: Arc<dyn Store>) -> Api {
+    Api::with(hurried(), store).await
+}
+
+impl Api {
+    pub(crate) async fn submit(&self, body: &Value) -> Answer {
+        self.call("POST", "/v1/evolutions", &[JSON], body.to_string()).await
+    }
+
+    /// Submits an evolution and returns its path.
+    pub(crate) async fn begin(&self, body: &Value) -> String {
+        let answer = self.submit(body).await;
+        assert_eq!(answer.code, 201, "{}", String::from_utf8_lossy(&answer.bytes));
+        answer.headers["location"].to_str().unwrap().to_owned()
+    }
+}
+
+/// A follower of an evolution.
+pub(crate) struct Follower(Stream);
+
+impl Follower {
+    pub(crate) async fn open(api: &Api, path: &str, after: Option<u64>) -> Self {
+        Self(Stream::open(api, &format!("{path}/events"), after).await)
+    }
+
+    /// The next event; none at the end of the stream.
+    async fn next(&mut self) -> Option<Value> {
+        let block = async {
+            loop {
+                let block = self.0.block().await?;
+                if !block.starts_with(':') {
+                    return Some(block);
+                }
+            }
+        };
+        let block = tokio::time::timeout(PATIENCE, block).await.expect("an event, or the end")?;
+        let field = |name: &str| block.lines().find_map(|line| line.strip_prefix(name));
+        let event: Value = serde_json::from_str(field("data: ").unwrap()).unwrap();
+        assert_eq!(field("event: ").unwrap(), event["type"]);
+        let id = event["id"].to_string();
+        // A state has no id in the stream: whoever resumes behind it would miss generations.
+        let is_generation = event["type"] == "generation";
+        assert_eq!(field("id: "), is_generation.then_some(id.as_str()));
+        Some(event)
+    }
+
+    /// The first event that is as it should be.
+    pub(crate) async fn until(&mut self, is_right: impl Fn(&Value) -> bool) -> Value {
+        loop {
+            let event = self.next().await.expect("the stream goes on");
+            if is_right(&event) {
+                return event;
+            }
+        }
+    }
+
+    /// All that is left of the stream.
+    async fn rest(&mut self) -> Vec<Value> {
+        let mut events = Vec::new();
+        while let Some(event) = self.next().await {
+            events.push(event);
+        }
+        events
+    }
+}
+
+fn generations(events: &[Value]) -> Vec<&Value> {
+    events.iter().filter(|event| event["type"] == "generation").collect()
+}
+
+fn ids(events: &[Value]) -> Vec<u64> {
+    generations(events).iter().map(|event| event["id"].as_u64().unwrap()).collect()
+}
+
+/// Waits for the end of an evolution and shows it then.
+async fn ended(api: &Api, path: &str) -> Value {
+    Follower::open(api, path, None).await.rest().await;
+    api.get(path).await.json()
+}
+
+/// A server on a real socket that is told to end.
+async fn serve_and_stop(store: Arc<dyn Store>, until: impl AsyncFnOnce(Api)) {
+    let server = Server::with_store(hurried(), store).await.unwrap();
+    let api = Api(server.router());
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let running = tokio::spawn(server.run(async { stopped.await.unwrap_or_default() }));
+    until(api).await;
+    drop(stop);
+    tokio::time::timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
+}
+
+#[tokio::test]
+async fn an_evolution_lives_from_its_submission_to_a_prior_that_a_robot_uses() {
+    let api = serve(Arc::new(MemoryStore::default())).await;
+    let answer = api.submit(&small()).await;
+    assert_eq!(
+        (answer.code, &answer.headers["location"]),
+        (201, &"/v1/evolutions/evolution-1".parse().unwrap())
+    );
+    let path = "/v1/evolutions/evolution-1";
+    let begun = answer.json();
+    assert_eq!(
+        (begun["spec"]["population"].as_u64(), begun["spec"]["seed"].as_u64()),
+        (Some(4), Some(7))
+    );
+    assert_eq!(begun["champion"], Value::Null);
+
+    let events = Follower::open(&api, path, None).await.rest().await;
+    assert_eq!(ids(&events), [1, 2, 3]);
+    for (place, event) in events.iter().enumerate().filter(|(_, event)| event["type"] == "state") {
+        let told = generations(&events[..place]).len() as u64;
+        assert_eq!(event["progress"]["generation"].as_u64(), Some(told), "nothing untold counts");
+    }
+    assert_eq!(events.last().unwrap()["state"], "succeeded");
+
+    let shown = api.get(path).await.json();
+    assert_eq!((&shown["state"], &shown["prior"]), (&json!("succeeded"), &json!("evolution-1")));
+    assert_eq!(shown["progress"]["episodes"], shown["progress"]["total_episodes"]);
+    let names: Vec<_> =
+        shown["champion"]["entries"].as_array().unwrap().iter().map(|it| &it["name"]).collect();
+    assert_eq!(names, ["champion", "first-generation", "default", "flat"]);
+    let page = api.get(&format!("{path}/generations?page_size=2")).await.json();
+    assert_eq!(page["generations"].as_array().unwrap().len(), 2);
+    let token = page["next_page_token"].as_str().unwrap();
+    let rest = api.get(&format!("{path}/generations?page_token={token}")).await.json();
+    assert_eq!(
+        (rest["generations"][0]["index"].as_u64(), &rest["next_page_token"]),
+        (Some(2), &Value::Null)
+    );
+    for figure in ["deviation", "time"] {
+        let figure = api.get(&format!("{path}/figures/{figure}")).await;
+        assert_eq!(
+            (figure.code, &figure.headers["content-type"]),
+            (200, &"image/svg+xml".parse().unwrap())
+        );
+        assert!(figure.bytes.starts_with(b"<svg"));
+    }
+    assert_eq!(api.get(&format!("{path}/figures/cost")).await.code, 404);
+
+    let prior = api.get("/v1/priors/evolution-1").await.json();
+    assert_eq!(prior["forward"], shown["champion"]["prior"]["forward"]);
+    assert_eq!(prior["source"]["evolution"], "evolution-1");
+    assert_eq!(api.put("/v1/robots/r", json!({"prior": "evolution-1"})).await.code, 201);
+    let used = api.get("/v1/robots/r/environment").await.json()["prior"].clone();
+    assert_eq!((&used["name"], &used["source"]["seed"]), (&json!("evolution-1"), &json!(7)));
+    assert!(used["why"].as_str().unwrap().contains("evolution-1 found"), "{used}");
+
+    assert_eq!(api.delete(path).await.code, 204);
+    assert_eq!(api.get(path).await.problem(), ("NOT_FOUND".into(), "NO_SUCH_RESOURCE".into()));
+    assert_eq!(api.get(&format!("{path}/generations")).await.code, 404);
+    assert_eq!(api.get("/v1/priors/evolution-1").await.code, 200);
+}
+
+/// The bug to fear: two doors to the same evolution that lead to different champions.
+#[tokio::test]
+async fn a_server_finds_the_champion_that_the_offline_command_finds() {
+    let request: Request = serde_json::from_value(small()).unwrap();
+    let order = Order { request, threads: Some(1), json: true, folder: None };
+    let offline = tokio::task::spawn_blocking(move || {
+        let mut output = Vec::new();
+        evolve(&order, &mut output).unwrap();
+        serde_json::from_slice::<Value>(&output).unwrap()
+    });
+    let api = serve(Arc::new(MemoryStore::default())).await;
+    let path = api.begin(&small()).await;
+    let (online, offline) = (ended(&api, &path).await, offline.await.unwrap());
+    assert_eq!(online["champion"], offline["champion"]);
+    assert_eq!(online["progress"]["episodes"], offline["episodes"]);
+}
+
+#[tokio::test]
+async fn a_cancelled_evolution_stops_in_the_queue_and_while_it_runs() {
+    let store = Arc::new(MemoryStore::default());
+    let api = serve(store.clone()).await;
+    let running = api.begin(&long()).await;
+    Follower::open(&api, &running, None).await.until(|event| event["id"] == 2).await;
+    let waiting = api.begin(&small()).await;
+    for path in [&running, &waiting] {
+        let refused = api.delete(path).await;
+        assert_eq!(refused.problem(), ("FAILED_PRECONDITION".into(), "NOT_ENDED".into()));
+    }
+    let cancel = async |path: &str| api.post(&format!("{path}/cancel")).await;
+    let cancelled = cancel(&waiting).await.json();
+    assert_eq!(
+        (&cancelled["state"], &cancelled["progress"]["stage"]),
+        (&json!("cancelled"), &json!("queued"))
+    );
+    let asked = std::time::Instant::now();
+    let cancelled = cancel(&running).await;
+    assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
+    let cancelled = cancelled.json();
+    assert_eq!((&cancelled["state"], &cancelled["prior"]), (&json!("cancelled"), &Value::Null));
+    assert!(cancelled["progress"]["generation"].as_u64() >= Some(2), "{cancelled}");
+    let generations = api.get(&format!("{running}/generations")).await.json();
+    let kept = generations["generations"].as_array().unwrap().len() as u64;
+    assert_eq!(Some(kept), cancelled["progress"]["generation"].as_u64());
+    assert_eq!(cancel(&running).await.json(), cancelled, "once more is no harm");
+    assert_eq!(api.get("/v1/priors/evolution-1").await.code, 404);
+
+    let done = api.begin(&small()).await;
+    assert_eq!(ended(&api, &done).await["state"], "succeeded", "the next has its turn");
+    assert_eq!(cancel(&done).await.problem(), ("FAILED_PRECONDITION".into(), "ENDED".into()));
+    assert_eq!(cancel("/v1/evolutions/evolution-9").await.code, 404);
+    let restarted = serve(store).await;
+    for path in [&running, &waiting, &done] {
+        assert_eq!(restarted.get(path).await.json(), api.get(path).await.json());
+    }
+    assert_eq!(restarted.delete(&running).await.code, 204);
+}
+
+/// The bug to fear: a cancellation that waits for a batch of minutes.
+#[tokio::test]
+async fn a_cancellation_does_not_wait_for_a_long_batch() {
+    let api = serve(Arc::new(MemoryStore::default())).await;
+    let mut body = long();
+    (body["generations"], body["population"], body["trials"]) = (json!(1), json!(1000), json!(100));
+    let path = api.begin(&body).await;
+    let mut follower = Follower::open(&api, &path, None).await;
+    follower.until(|event| event["progress"]["stage"] == "generations").await;
+    let asked = std::time::Instant::now();
+    assert_eq!(api.post(&format!("{path}/cancel")).await.json()["state"], "cancelled");
+    assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
+}
+
+/// The bugs to fear: a generation lost, told twice or driven on other seeds after a restart.
+#[tokio::test]
+async fn an_evolution_goes_on_after_a_restart_as_if_nothing_had_been() {
+    let uninterrupted = serve(Arc::new(MemoryStore::default())).await;
+    let path = uninterrupted.begin(&small()).await;
+    let expected = ended(&uninterrupted, &path).await;
+
+    let store = Arc::new(MemoryStore::default());
+    let mut before = Vec::new();
+    serve_and_stop(store.clone(), async |api| {
+        let path = api.begin(&small()).await;
+        let waiting = Value::from("second");
+        api.begin(&json!({"prior": waiting, "preset": "quick", "seed": 7})).await;
+        let mut follower = Follower::open(&api, &path, None).await;
+        before.push(follower.until(|event| event["type"] == "generation").await);
+    })
+    .await;
+    let last = before[0]["id"].as_u64().unwrap();
+    let body = &store.load().unwrap().evolutions[0].body;
+    assert!(body.contains(r#""state":"running""#), "{body}");
+
+    // The second one dies without a word.
+    let second = serve(store.clone()).await;
+    let mut follower = Follower::open(&second, &path, Some(last)).await;
+    before.push(follower.until(|event| event["type"] == "generation").await);
+    drop((second, follower));
+
+    let third = serve(store).await;
+    let shown = third.get(&path).await.json();
+    assert!(shown["progress"]["generation"].as_u64() >= Some(2), "{shown}");
+    let after = Follower::open(&third, &path, Some(last + 1)).await.rest().await;
+    before.extend(after);
+    assert_eq!(ids(&before), [1, 2, 3]);
+    let resumed = third.get(&path).await.json();
+    for field in ["state", "champion", "spec", "prior"] {
+        assert_eq!(resumed[field], expected[field], "{field}");
+    }
+    assert_eq!(resumed["interrupted"], 2);
+    assert!(resumed["progress"]["elapsed_s"].as_f64() > Some(0.0));
+    let generations = async |api: &Api| api.get(&format!("{path}/generations")).await.json();
+    assert_eq!(generations(&third).await, generations(&uninterrupted).await);
+    // What waited has its turn, and does not count as interrupted.
+    let second = "/v1/evolutions/evolution-2";
+    let mut follower = Follower::open(&third, second, None).await;
+    follower.until(|event| event["state"] == "running").await;
+    assert_eq!(third.get(second).await.json()["interrupted"], 0);
+}
+
+/// The bug to fear: a server that dies of what an older or newer one has left.
+#[tokio::test]
+async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() {
+    for (checkpoint, said) in [
+        (r#"{"version":9}"#, "version 9"),
+        (r#"{"version":1,"content":{"evolution":{"version":77}}}"#, "version 77"),
+        ("nonsense", "damaged"),
+    ] {
+        let store = Arc::new(MemoryStore::default());
+        let first = serve(store.clone()).await;
+        let path = first.begin(&long()).await;
+        Follower::open(&first, &path, None).await.until(|event| event["id"] == 1).await;
+        let next = first.begin(&small()).await;
+        drop(first);
+        let (evolution, body) = ("evolution-1".to_owned(), checkpoint.to_owned());
+        // The one before may still be writing: it stops for what it finds written.
+        let second = loop {
+            let change = Change::PutCheckpoint { evolution: evolution.clone(), body: body.clone() };
+            store.commit(vec![change]).unwrap();
+            let server = serve(store.clone()).await;
+            let failed = ended(&server, &path).await;
+            if failed["state"] == "failed" {
+                let error = failed["error"].as_str().unwrap();
+                assert!(error.contains(said) && error.contains("submit it again"), "{error}");
+                break server;
+            }
+        };
+        assert_eq!(ended(&second, &next).await["state"], "succeeded");
+    }
+}
+
+/// The bugs to fear: an evolution lost to a full disk, or shown as further than what a restart would find.
+#[tokio::test]
+async fn a_store_that_fails_delays_an_evolution_and_ends_none() {
+    let store = Arc::new(Faulty::default());
+    let api = serve(store.clone()).await;
+    let path = api.begin(&small()).await;
+    let mut follower = Follower::open(&api, &path, None).await;
+    store.set(UNAVAILABLE);
+    let delayed =
+        follower.until(|event| event["error"] != Value::Null && event["type"] == "state").await;
+    assert!(delayed["error"].as_str().unwrap().contains("disk full"), "{delayed}");
+    let shown = api.get(&path).await.json();
+    assert!(["queued", "running"].contains(&shown["state"].as_str().unwrap()), "{shown}");
+    let refused = api.submit(&small()).await;
+    assert_eq!(refused.problem(), ("UNAVAILABLE".into(), "STORE_FAILED".into()));
+    assert_eq!(api.get("/v1/evolutions").await.json()["evolutions"].as_array().unwrap().len(), 1);
+    store.set(WORKS);
+    let listed = api.get(&format!("{path}/generations")).await.json();
+    let shown = api.get(&path).await.json()["progress"]["generation"].as_u64().unwrap();
+    assert!(listed["generations"].as_array().unwrap().len() as u64 <= shown);
+    let after = ended(&api, &path).await;
+    assert_eq!((&after["state"], &after["error"]), (&json!("succeeded"), &Value::Null));
+
+    let reference = serve(Arc::new(MemoryStore::default())).await;
+    let path = reference.begin(&small()).await;
+    assert_eq!(ended(&reference, &path).await["champion"], after["champion"]);
+}
+
+/// The bug to fear: a cancellation that is acknowledged and undone by the next start.
+#[tokio::test]
+async fn a_cancellation_that_cannot_be_kept_is_not_acknowledged() {
+    let store = Arc::new(Faulty::default());
+    let api = serve(store.clone()).await;
+    let path = api.begin(&long()).await;
+    Follower::open(&api, &path, None).await.until(|event| event["id"] == 1).await;
+    store.set(UNAVAILABLE);
+    let refused = api.post(&format!("{path}/cancel")).await;
+    assert_eq!(refused.problem(), ("UNAVAILABLE".into(), "STORE_FAILED".into()));
+    assert_eq!(api.get(&path).await.json()["state"], "running");
+    store.set(WORKS);
+    assert_eq!(ended(&api, &path).await["state"], "cancelled");
+    let restarted = serve(store).await;
+    assert_eq!(restarted.get(&path).await.json()["state"], "cancelled");
+}
+
+#[tokio::test]
+async fn a_stream_resumes_behind_the_last_event() {
+    let api = serve(Arc::new(MemoryStore::default())).await;
+    let path = api.begin(&small()).await;
+    ended(&api, &path).await;
+    for (after, expected) in [(0, vec![1, 2, 3]), (2, vec![3]), (3, vec![]), (99, vec![])] {
+        let events = Follower::open(&api, &path, Some(after)).await.rest().await;
+        assert_eq!(ids(&events), expected, "{after}");
+        assert_eq!(events.last().unwrap()["state"], "succeeded");
+    }
+    let headers = [("last-event-id", "first")];
+    let wrong = api.call("GET", &format!("{path}/events"), &headers, Body::empty()).await;
+    assert_eq!(wrong.problem(), ("INVALID_ARGUMENT".into(), "MALFORMED".into()));
+}
+
+#[tokio::test]
+async fn the_oldest_that_have_ended_are_forgotten() {
+    let store = Arc::new(MemoryStore::default());
+    let config = || Config { keep_evolutions: 1, ..hurried() };
+    let api = Api::with(config(), store.clone()).await;
+    let first = api.begin(&small()).await;
+    ended(&api, &first).await;
+    let second = api.begin(&small()).await;
+    ended(&api, &second).await;
+    assert_eq!((api.get(&first).await.code, api.get(&second).await.code), (404, 200));
+    assert_eq!(store.generations("evolution-1", 0, 9).unwrap(), []);
+    assert_eq!(api.get("/v1/priors/evolution-1").await.code, 200);
+    assert_eq!(api.delete(&second).await.code, 204);
+    let restarted = Api::with(config(), store).await;
+    let third = restarted.begin(&long()).await;
+    assert_eq!(third, "/v1/evolutions/evolution-3", "numbers never come back");
+    // One that has just ended stays, however old it is.
+    let fourth = restarted.begin(&long()).await;
+    for path in [&fourth, &third] {
+        assert_eq!(restarted.post(&format!("{path}/cancel")).await.code, 200);
+    }
+    assert_eq!((restarted.get(&third).await.code, restarted.get(&fourth).await.code), (200, 404));
+}
