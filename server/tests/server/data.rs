@@ -116,7 +116,10 @@ async fn a_second_server_on_the_same_data_is_refused_and_the_first_goes_on() {
 #[tokio::test]
 async fn a_store_that_fails_in_use_is_said_once_and_found_again() {
     let directory = tempdir().unwrap();
-    let (child, address) = start(serve(directory.path()));
+    let mut command = serve(directory.path());
+    // Nobody reads the log meanwhile: every refused request in it would be too much for the pipe.
+    command.args(["--log", "umwelt_server=info"]);
+    let (child, address) = start(command);
     let (file, aside) = (directory.path().join(DATA_FILE), directory.path().join("aside"));
     let put = async || request(address, "PUT", "/v1/robots/r", "{}").await;
     assert!(put().await.starts_with("HTTP/1.1 201"));

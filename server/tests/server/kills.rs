@@ -85,12 +85,9 @@ fn turn(store: &SqliteStore, contents: &Contents, writer: u64) -> u64 {
     turn
 }
 
-/// Not a test: what the test below starts as a process of its own. By itself it does nothing.
-#[test]
-#[ignore = "the child of another test"]
-fn child() {
-    let Some(directory) = std::env::var_os(DIRECTORY) else { return };
-    let store = SqliteStore::open(Path::new(&directory)).unwrap();
+/// The process that is killed: it writes, and says what was acknowledged.
+fn write(directory: &Path) {
+    let store = SqliteStore::open(directory).unwrap();
     let contents = store.load().unwrap();
     std::thread::scope(|scope| {
         for writer in 0..WRITERS {
@@ -112,9 +109,12 @@ fn child() {
     });
 }
 
+/// The test that starts itself as the process to be killed, where [`DIRECTORY`] says so.
+const WRITER: &str = "whatever_was_acknowledged_outlives_a_kill_and_nothing_is_half";
+
 fn start(directory: &Path) -> (Child, BufReader<ChildStdout>) {
     let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["kills::child", "--exact", "--ignored", "--nocapture"])
+        .args([&format!("kills::{WRITER}"), "--exact", "--nocapture"])
         .env(DIRECTORY, directory)
         .stdout(Stdio::piped())
         .spawn()
@@ -169,6 +169,9 @@ fn kill(directory: &Path, lines: usize, after: Duration, kept: &mut [u64; WRITER
 
 #[test]
 fn whatever_was_acknowledged_outlives_a_kill_and_nothing_is_half() {
+    if let Some(directory) = std::env::var_os(DIRECTORY) {
+        return write(Path::new(&directory));
+    }
     let mut rng = Pcg64Mcg::seed_from_u64(3);
     let directory = tempdir().unwrap();
     let mut kept = [0; WRITERS as usize];
