@@ -13,7 +13,7 @@ use tokio::sync::{OwnedRwLockReadGuard, OwnedRwLockWriteGuard};
 use umwelt_api::prior::{self, Source, Spec};
 use umwelt_api::{Known, PriorId, RobotId};
 use umwelt_core::controller::settings::Prior;
-use umwelt_core::identification::BUILT_IN_PRIORS;
+use umwelt_core::identification::{BUILT_IN_PRIORS, about_built_in};
 
 /// Most priors that are kept, about 2 kB each.
 pub(crate) const MAX_PRIORS: usize = 10_000;
@@ -189,7 +189,8 @@ impl Priors {
 
 fn built_in(id: &PriorId) -> Option<Named> {
     let prior = Prior::built_in(id.as_str())?;
-    Some(Named { id: id.clone(), prior, note: None, source: Source::BuiltIn })
+    let note = about_built_in(id.as_str()).map(str::to_owned);
+    Some(Named { id: id.clone(), prior, note, source: Source::BuiltIn })
 }
 
 #[cfg(test)]

@@ -78,10 +78,12 @@ fn core_depends_on_nothing_that_does_io() {
 }
 
 #[test]
-fn axum_stays_in_the_server_and_reqwest_in_the_client() {
+fn axum_and_rusqlite_stay_in_the_server_and_reqwest_in_the_client() {
     for (package, direct) in dependencies() {
         for (dependency, _) in direct {
-            assert!(dependency != "axum" || package == "umwelt-server", "axum in {package}");
+            for own in ["axum", "rusqlite"] {
+                assert!(dependency != own || package == "umwelt-server", "{own} in {package}");
+            }
             assert!(dependency != "reqwest" || package == "umwelt-client", "reqwest in {package}");
         }
     }

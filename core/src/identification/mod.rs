@@ -12,7 +12,7 @@ mod window;
 
 pub use channel::ChannelBelief;
 pub use link::LinkBelief;
-pub use prior::BUILT_IN_PRIORS;
+pub use prior::{BUILT_IN_PRIORS, about_built_in};
 pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};
 
 use crate::controller::settings::{Method, Prior};

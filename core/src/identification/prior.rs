@@ -10,6 +10,16 @@ fn known(mu: f64, k: f64, r: f64, s: f64) -> NormalInverseChiSquared {
     NormalInverseChiSquared::new(mu, k, r, s).expect("constants in their domain")
 }
 
+/// What the built-in prior called `name` is, in a few words.
+pub fn about_built_in(name: &str) -> Option<&'static str> {
+    match name {
+        "default" => Some("weak: a floor and a link of which nothing is known"),
+        "flat" => Some("next to nothing: a hundredth of a sample"),
+        "thesis" => Some("evolved: umwelt-server evolve --preset thesis --seed 1"),
+        _ => None,
+    }
+}
+
 impl Default for Prior {
     /// A weak prior for a floor and a link of which nothing is known: a ratio of standard deviation 0.15 over
     /// 100 ms (what recorded robots show), four degrees of freedom so that its variance exists, and a mean that

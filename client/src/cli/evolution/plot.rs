@@ -47,10 +47,9 @@ impl Plot {
 
     /// The figures and their files; none is drawn where one of them could not be written.
     fn files(&self) -> Result<Vec<(Figure, PathBuf)>, Failure> {
-        if !self.out.is_dir() {
-            let out = self.out.display();
-            return Err(Failure::Wrong(format!("{out} is no directory: make it first")));
-        }
+        std::fs::create_dir_all(&self.out).map_err(|error| {
+            Failure::Wrong(format!("{} cannot be made: {error}", self.out.display()))
+        })?;
         let file = |figure: Figure| {
             (figure, self.out.join(format!("{}-{}.svg", self.evolution, figure.name())))
         };
