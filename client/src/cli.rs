@@ -187,7 +187,7 @@ mod tests {
             "umwelt evolve --slots 68 --trials 0",
             "umwelt prior put a --file /nonexistent/prior.json",
             "umwelt environment put a --file /",
-            "umwelt evolution plot evolution-1 --out /nonexistent",
+            "umwelt evolution plot evolution-1 --out /dev/null/plots",
         ] {
             let failure = failure(line).await;
             assert!(matches!(failure, Failure::Wrong(_)), "{line}: {failure:?}");

@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_directory_that_is_none_is_a_wrong_call() {
-        assert!(matches!(plot(Path::new("/nonexistent"), true).files(), Err(Failure::Wrong(_))));
+    fn a_directory_that_cannot_be_made_is_a_wrong_call() {
+        assert!(matches!(plot(Path::new("/dev/null/plots"), true).files(), Err(Failure::Wrong(_))));
     }
 }
