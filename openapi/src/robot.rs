@@ -5,6 +5,7 @@ mod drive;
 mod prior;
 mod spec;
 
+pub use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
 pub use choice::{Attribution, CELL, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
 pub use drive::{
     ANGULAR_ACCELERATION, ANGULAR_SPEED, Drive, HEADING_NOISE, LAG, LINEAR_ACCELERATION,
@@ -19,6 +20,7 @@ pub use spec::{
 use crate::check::{Check, Checked};
 use crate::id::RobotId;
 use crate::number;
+use crate::page::limits;
 use crate::problem::Problems;
 use crate::task;
 use serde::{Deserialize, Serialize};
@@ -27,15 +29,6 @@ use utoipa::ToSchema;
 
 /// Largest body of a description in bytes; a full one has 2 kB.
 pub const MAX_BODY: usize = 64 * 1024;
-
-/// Most robots of one page: a page of this length is about a megabyte.
-pub const MAX_PAGE_SIZE: u64 = 500;
-
-/// Robots of a page where nothing is said.
-pub const DEFAULT_PAGE_SIZE: u64 = 50;
-
-/// Longest page token: it holds an id and little else.
-pub const MAX_PAGE_TOKEN: usize = 128;
 
 /// Whether the robot is heard from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
@@ -132,9 +125,7 @@ pub struct PageQuery {
 
 impl Checked for PageQuery {
     fn check(&self, check: &mut Check) {
-        check.integer("page_size", self.page_size.unwrap_or(DEFAULT_PAGE_SIZE), 1..=MAX_PAGE_SIZE);
-        let length = self.page_token.as_ref().map_or(0, String::len);
-        check.length("page_token", length, 0..=MAX_PAGE_TOKEN);
+        limits(check, self.page_size, self.page_token.as_deref(), MAX_PAGE_SIZE);
     }
 }
 

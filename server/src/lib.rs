@@ -23,6 +23,7 @@
 
 mod answer;
 mod app;
+mod catalogue;
 mod condition;
 mod config;
 mod connection;

@@ -3,12 +3,12 @@
 //! Invariants: what is shown is kept; a name that robots use means the same prior for as long as they use it, so giving
 //! a robot a prior ([`Priors::giving`]) and changing priors ([`Priors::changing`]) exclude each other.
 
+use crate::catalogue::{self, Catalogue};
 use crate::etag;
 use crate::fleet::Fleet;
 use crate::store::{PriorSource, StoredPrior};
 use std::collections::BTreeMap;
-use std::ops::Bound;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 use tokio::sync::{OwnedRwLockReadGuard, OwnedRwLockWriteGuard};
 use umwelt_api::prior::{self, Source, Spec};
 use umwelt_api::{Known, PriorId, RobotId};
@@ -105,22 +105,28 @@ pub(crate) struct Priors(Arc<Inner>);
 
 #[derive(Debug, Default)]
 struct Inner {
-    kept: RwLock<BTreeMap<PriorId, Named>>,
+    all: Catalogue<Named>,
     names: Arc<tokio::sync::RwLock<()>>,
 }
 
 impl Priors {
     /// With those that are kept.
     pub(crate) fn open(stored: Vec<StoredPrior>) -> Self {
-        let mut kept = BTreeMap::new();
-        for stored in stored {
+        let named = |stored: StoredPrior| {
             let name = stored.name.clone();
-            match Named::of_stored(stored) {
-                Some(named) => drop(kept.insert(named.id.clone(), named)),
-                None => tracing::error!(prior = name, "what is kept of it cannot be read"),
+            let named = Named::of_stored(stored);
+            if named.is_none() {
+                tracing::error!(prior = name, "what is kept of it cannot be read");
             }
-        }
-        Self(Arc::new(Inner { kept: RwLock::new(kept), ..Inner::default() }))
+            named
+        };
+        let all = stored.into_iter().filter_map(named).collect();
+        Self(Arc::new(Inner { all, ..Inner::default() }))
+    }
+
+    /// All of them by their names.
+    pub(crate) fn all(&self) -> &Catalogue<Named> {
+        &self.0.all
     }
 
     /// Names mean what they mean until the guard is dropped. Many may hold one.
@@ -135,7 +141,7 @@ impl Priors {
 
     /// What a name stands for.
     pub(crate) fn known(&self, name: &str) -> Known<Prior> {
-        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
+        let kept = self.0.all.kept();
         if let Some(prior) = Prior::built_in(name).or_else(|| kept.get(name).map(|it| it.prior)) {
             return Ok(prior);
         }
@@ -146,51 +152,24 @@ impl Priors {
     /// Where the prior of a robot comes from.
     pub(crate) fn source(&self, name: Option<&str>) -> Source {
         let Some(name) = name else { return Source::Inline };
-        let found = name.parse().ok().and_then(|id| self.find(&id));
+        let found = name.parse().ok().and_then(|id| self.0.all.find(&id));
         found.map_or(Source::Put, |named| named.source)
-    }
-
-    /// The prior of this name.
-    pub(crate) fn find(&self, id: &PriorId) -> Option<Named> {
-        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
-        built_in(id).or_else(|| kept.get(id).cloned())
-    }
-
-    /// Those with names above `after`, in the order of their names, at most `limit`.
-    pub(crate) fn above(&self, after: Option<&PriorId>, limit: usize) -> Vec<Named> {
-        let from = after.map_or(Bound::Unbounded, Bound::Excluded);
-        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
-        let kept = kept.range::<PriorId, _>((from, Bound::Unbounded)).take(limit);
-        let ids = BUILT_IN_PRIORS.iter().filter_map(|name| name.parse().ok());
-        let ids = ids.filter(|id| after.is_none_or(|after| id > after));
-        let built_in = ids.filter_map(|id| built_in(&id));
-        let mut all: Vec<_> = kept.map(|(_, named)| named.clone()).chain(built_in).collect();
-        all.sort_by(|one, other| one.id.cmp(&other.id));
-        all.truncate(limit);
-        all
-    }
-
-    /// How many are kept.
-    pub(crate) fn len(&self) -> usize {
-        self.0.kept.read().unwrap_or_else(PoisonError::into_inner).len()
-    }
-
-    /// Shows a prior that is kept now.
-    pub(crate) fn insert(&self, named: Named) {
-        let mut kept = self.0.kept.write().unwrap_or_else(PoisonError::into_inner);
-        kept.insert(named.id.clone(), named);
-    }
-
-    /// Shows one no more that is not kept any more.
-    pub(crate) fn remove(&self, id: &PriorId) {
-        self.0.kept.write().unwrap_or_else(PoisonError::into_inner).remove(id);
     }
 }
 
-fn built_in(id: &PriorId) -> Option<Named> {
-    let prior = Prior::built_in(id.as_str())?;
-    let note = about_built_in(id.as_str()).map(str::to_owned);
-    Some(Named { id: id.clone(), prior, note, source: Source::BuiltIn })
+impl catalogue::Named for Named {
+    type Id = PriorId;
+    const BUILT_IN: &'static [&'static str] = &BUILT_IN_PRIORS;
+
+    fn id(&self) -> &PriorId {
+        &self.id
+    }
+
+    fn built_in(id: &PriorId) -> Option<Self> {
+        let prior = Prior::built_in(id.as_str())?;
+        let note = about_built_in(id.as_str()).map(str::to_owned);
+        Some(Self { id: id.clone(), prior, note, source: Source::BuiltIn })
+    }
 }
 
 #[cfg(test)]
@@ -205,11 +184,11 @@ mod tests {
     fn names_are_listed_in_order_those_of_the_program_among_them() {
         let priors = Priors::default();
         for id in ["zoo", "dune", "a"] {
-            priors.insert(named(id));
+            priors.all().insert(named(id));
         }
         let ids = |after: Option<&str>, limit| -> Vec<String> {
             let after = after.map(|after| after.parse().unwrap());
-            priors.above(after.as_ref(), limit).iter().map(|it| it.id.to_string()).collect()
+            priors.all().above(after.as_ref(), limit).iter().map(|it| it.id.to_string()).collect()
         };
         assert_eq!(ids(None, 9), ["a", "default", "dune", "flat", "thesis", "zoo"]);
         assert_eq!(ids(None, 2), ["a", "default"]);
@@ -220,7 +199,7 @@ mod tests {
     #[test]
     fn a_name_that_nobody_knows_is_answered_with_those_that_there_are() {
         let priors = Priors::default();
-        priors.insert(named("dune"));
+        priors.all().insert(named("dune"));
         assert_eq!(priors.known("dune"), Ok(Prior::flat()));
         assert_eq!(priors.known("oasis").unwrap_err(), ["default", "flat", "thesis", "dune"]);
     }
@@ -236,6 +215,9 @@ mod tests {
         for named in [named("dune"), Named { source, note: Some("n".into()), ..named("oasis") }] {
             assert_eq!(Named::of_stored(named.stored().unwrap()), Some(named));
         }
-        assert_eq!(built_in(&"flat".parse().unwrap()).unwrap().stored(), None);
+        assert_eq!(
+            <Named as catalogue::Named>::built_in(&"flat".parse().unwrap()).unwrap().stored(),
+            None
+        );
     }
 }

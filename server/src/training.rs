@@ -3,12 +3,11 @@
 //! Invariants: what is shown is kept; an evolution takes the environments as they are when it is submitted, so that
 //! they may change or go behind it.
 
+use crate::catalogue::{self, Catalogue};
 use crate::etag;
 use crate::store::StoredEnvironment;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::ops::Bound;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 use tokio::sync::{Mutex, OwnedMutexGuard};
 use umwelt_api::training::{self, Environment, Spec};
 use umwelt_api::{EnvironmentId, Known};
@@ -76,23 +75,26 @@ pub(crate) struct Environments(Arc<Inner>);
 
 #[derive(Debug, Default)]
 struct Inner {
-    kept: RwLock<BTreeMap<EnvironmentId, Named>>,
+    all: Catalogue<Named>,
     changing: Arc<Mutex<()>>,
 }
 
 impl Environments {
     /// With those that are kept.
     pub(crate) fn open(stored: &[StoredEnvironment]) -> Self {
-        let mut kept = BTreeMap::new();
-        for stored in stored {
-            match Named::of_stored(stored) {
-                Ok(named) => drop(kept.insert(named.id.clone(), named)),
-                Err(error) => {
-                    tracing::error!(environment = stored.name, error, "it cannot be read");
-                }
-            }
-        }
-        Self(Arc::new(Inner { kept: RwLock::new(kept), ..Inner::default() }))
+        let named = |stored: &StoredEnvironment| {
+            let read = Named::of_stored(stored).inspect_err(|error| {
+                tracing::error!(environment = stored.name, error, "it cannot be read");
+            });
+            read.ok()
+        };
+        let all = stored.iter().filter_map(named).collect();
+        Self(Arc::new(Inner { all, ..Inner::default() }))
+    }
+
+    /// All of them by their names.
+    pub(crate) fn all(&self) -> &Catalogue<Named> {
+        &self.0.all
     }
 
     /// Nobody else changes one until the guard is dropped.
@@ -102,7 +104,7 @@ impl Environments {
 
     /// What a name stands for.
     pub(crate) fn known(&self, name: &str) -> Known<TrainingEnvironment> {
-        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
+        let kept = self.0.all.kept();
         training::built_in(name).or_else(|mut names| {
             let found = kept.get(name).map(|named| named.environment.clone());
             found.ok_or_else(|| {
@@ -111,47 +113,20 @@ impl Environments {
             })
         })
     }
-
-    /// The environment of this name.
-    pub(crate) fn find(&self, id: &EnvironmentId) -> Option<Named> {
-        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
-        built_in(id).or_else(|| kept.get(id).cloned())
-    }
-
-    /// Those with names above `after`, in the order of their names, at most `limit`.
-    pub(crate) fn above(&self, after: Option<&EnvironmentId>, limit: usize) -> Vec<Named> {
-        let from = after.map_or(Bound::Unbounded, Bound::Excluded);
-        let kept = self.0.kept.read().unwrap_or_else(PoisonError::into_inner);
-        let kept = kept.range::<EnvironmentId, _>((from, Bound::Unbounded)).take(limit);
-        let ids = ENVIRONMENTS.iter().filter_map(|name| name.parse().ok());
-        let ids = ids.filter(|id| after.is_none_or(|after| id > after));
-        let built_in = ids.filter_map(|id| built_in(&id));
-        let mut all: Vec<_> = kept.map(|(_, named)| named.clone()).chain(built_in).collect();
-        all.sort_by(|one, other| one.id.cmp(&other.id));
-        all.truncate(limit);
-        all
-    }
-
-    /// How many are kept.
-    pub(crate) fn len(&self) -> usize {
-        self.0.kept.read().unwrap_or_else(PoisonError::into_inner).len()
-    }
-
-    /// Shows an environment that is kept now.
-    pub(crate) fn insert(&self, named: Named) {
-        let mut kept = self.0.kept.write().unwrap_or_else(PoisonError::into_inner);
-        kept.insert(named.id.clone(), named);
-    }
-
-    /// Shows one no more that is not kept any more.
-    pub(crate) fn remove(&self, id: &EnvironmentId) {
-        self.0.kept.write().unwrap_or_else(PoisonError::into_inner).remove(id);
-    }
 }
 
-fn built_in(id: &EnvironmentId) -> Option<Named> {
-    let environment = TrainingEnvironment::preset(id.as_str())?;
-    Some(Named { id: id.clone(), environment, note: None, built_in: true })
+impl catalogue::Named for Named {
+    type Id = EnvironmentId;
+    const BUILT_IN: &'static [&'static str] = &ENVIRONMENTS;
+
+    fn id(&self) -> &EnvironmentId {
+        &self.id
+    }
+
+    fn built_in(id: &EnvironmentId) -> Option<Self> {
+        let environment = TrainingEnvironment::preset(id.as_str())?;
+        Some(Self { id: id.clone(), environment, note: None, built_in: true })
+    }
 }
 
 #[cfg(test)]
@@ -172,8 +147,8 @@ mod tests {
         };
         let broken = StoredEnvironment { name: "broken".to_owned(), body: "{".to_owned() };
         let environments = Environments::open(&[later, broken, stored]);
-        assert_eq!(environments.len(), 1);
-        assert_eq!(environments.find(&named.id), Some(named));
+        assert_eq!(environments.all().len(), 1);
+        assert_eq!(environments.all().find(&named.id), Some(named));
         assert!(environments.known("lava").unwrap_err().contains(&"wet-hall".to_owned()));
     }
 }

@@ -188,7 +188,9 @@ impl Turn {
                 match inner.keeper.commit(changes.clone()).await {
                     Ok(()) if record.state.has_ended() => {
                         // First the prior: whoever sees the end may give it to a robot.
-                        prior.into_iter().for_each(|prior| inner.priors.insert(prior.clone()));
+                        prior
+                            .into_iter()
+                            .for_each(|prior| inner.priors.all().insert(prior.clone()));
                         inner.show_ended(job, record);
                         return Kept::Done;
                     }

@@ -286,7 +286,7 @@ impl Submitting<'_> {
 
     /// Whether a champion can have this name.
     fn check_free(&self, name: &PriorId) -> Result<(), Failure> {
-        let taken = if self.evolutions.inner.priors.find(name).is_some() {
+        let taken = if self.evolutions.inner.priors.all().find(name).is_some() {
             format!("there is a prior {name} already")
         } else if let Some(evolution) = self.evolutions.reserves(name) {
             format!("{evolution} will give its champion the name {name}")

@@ -27,16 +27,16 @@ pub(crate) async fn put(
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.environments.changing().await;
-        let before = app.environments.find(&id);
+        let before = app.environments.all().find(&id);
         condition.check(before.as_ref().map(Named::etag).as_deref())?;
         check_own(&id)?;
-        if before.is_none() && app.environments.len() >= MAX_ENVIRONMENTS {
+        if before.is_none() && app.environments.all().len() >= MAX_ENVIRONMENTS {
             return Err(failure::limit_reached("environments", MAX_ENVIRONMENTS));
         }
         let named = Named { id, environment, note: spec.note, built_in: false };
         let stored = named.stored().map_err(|error| failure::internal(error.to_string()))?;
         app.keeper.commit(vec![Change::PutEnvironment(stored)]).await?;
-        app.environments.insert(named.clone());
+        app.environments.all().insert(named.clone());
         let put = if before.is_some() { Put::Replaced } else { Put::Created };
         Ok(answer::versioned(code(put), &named.etag(), &named.shown()))
     })
@@ -44,7 +44,7 @@ pub(crate) async fn put(
 }
 
 pub(crate) async fn get(State(app): State<App>, Environment(id): Environment) -> Result {
-    let named = app.environments.find(&id).ok_or_else(|| no_such(&id))?;
+    let named = app.environments.all().find(&id).ok_or_else(|| no_such(&id))?;
     Ok(answer::versioned(StatusCode::OK, &named.etag(), &named.shown()))
 }
 
@@ -56,18 +56,18 @@ pub(crate) async fn delete(
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.environments.changing().await;
-        let named = app.environments.find(&id).ok_or_else(|| no_such(&id))?;
+        let named = app.environments.all().find(&id).ok_or_else(|| no_such(&id))?;
         condition.check(Some(&named.etag()))?;
         check_own(&id)?;
         app.keeper.commit(vec![Change::DeleteEnvironment(id.to_string())]).await?;
-        app.environments.remove(&id);
+        app.environments.all().remove(&id);
         Ok(answer::nothing())
     })
     .await
 }
 
 pub(crate) async fn list(State(app): State<App>, query: Query<page::Environments>) -> Result {
-    let found = app.environments.above(query.after.as_ref(), query.size + 1);
+    let found = app.environments.all().above(query.after.as_ref(), query.size + 1);
     let (page, next_page_token) = page::cut(found, query.size, |named| named.id.to_string());
     let environments = page.iter().map(Named::shown).collect();
     Ok(answer::json(StatusCode::OK, &Page { environments, next_page_token }))

@@ -27,7 +27,7 @@ pub(crate) async fn put(
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.priors.changing().await;
-        let before = app.priors.find(&id);
+        let before = app.priors.all().find(&id);
         condition.check(before.as_ref().map(Named::etag).as_deref())?;
         check_own(&app, &id)?;
         // Where the values stay, where they come from stays too.
@@ -37,14 +37,14 @@ pub(crate) async fn put(
                 check_unused(&app, &id)?;
                 Source::Put
             }
-            None if app.priors.len() >= MAX_PRIORS => {
+            None if app.priors.all().len() >= MAX_PRIORS => {
                 return Err(failure::limit_reached("priors", MAX_PRIORS));
             }
             None => Source::Put,
         };
         let named = Named { id, prior, note: spec.note, source };
         app.keeper.commit(named.stored().map(Change::PutPrior).into_iter().collect()).await?;
-        app.priors.insert(named.clone());
+        app.priors.all().insert(named.clone());
         let put = if before.is_some() { Put::Replaced } else { Put::Created };
         Ok(show(&app, code(put), &named))
     })
@@ -52,7 +52,7 @@ pub(crate) async fn put(
 }
 
 pub(crate) async fn get(State(app): State<App>, Prior(id): Prior) -> Result {
-    let named = app.priors.find(&id).ok_or_else(|| failure::no_such("prior", id.as_str()))?;
+    let named = app.priors.all().find(&id).ok_or_else(|| failure::no_such("prior", id.as_str()))?;
     Ok(show(&app, StatusCode::OK, &named))
 }
 
@@ -64,20 +64,20 @@ pub(crate) async fn delete(
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.priors.changing().await;
-        let found = app.priors.find(&id);
+        let found = app.priors.all().find(&id);
         let named = found.ok_or_else(|| failure::no_such("prior", id.as_str()))?;
         condition.check(Some(&named.etag()))?;
         check_own(&app, &id)?;
         check_unused(&app, &id)?;
         app.keeper.commit(vec![Change::DeletePrior(id.to_string())]).await?;
-        app.priors.remove(&id);
+        app.priors.all().remove(&id);
         Ok(answer::nothing())
     })
     .await
 }
 
 pub(crate) async fn list(State(app): State<App>, query: Query<page::Priors>) -> Result {
-    let found = app.priors.above(query.after.as_ref(), query.size + 1);
+    let found = app.priors.all().above(query.after.as_ref(), query.size + 1);
     let (page, next_page_token) = page::cut(found, query.size, |named| named.id.to_string());
     let users = Users::in_fleet(&app.fleet);
     let priors = page.iter().map(|named| named.shown(&users)).collect();
