@@ -3,6 +3,7 @@
 //! One implementation for the agent on the robot and for the simulation. It needs no link: without fresh
 //! horizons it stops by itself.
 
+use crate::geometry::elementary::{least, most};
 use crate::geometry::{Twist, WheelSpeeds};
 use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
@@ -92,10 +93,10 @@ impl Actuation {
         if self.held.is_full() {
             self.held.remove(self.least_missed());
         }
-        if let Some(place) = (0..HELD).find(|place| !self.held.contains(place)) {
-            self.places[place].clone_from(horizon);
-            self.held.push(place);
-        }
+        let taken = self.held.iter().fold(0_u32, |taken, &place| taken | 1 << place);
+        let place = taken.trailing_ones() as usize;
+        self.places[place].clone_from(horizon);
+        self.held.push(place);
         Acceptance::Newest
     }
 
@@ -129,8 +130,8 @@ impl Actuation {
     ///
     /// Times never go back; an earlier `now` counts as the last one.
     pub fn advance(&mut self, now: f64) -> WheelSpeeds {
-        let now = now.max(self.time);
-        self.credit = (self.credit + now - self.time).min(SLOT);
+        let now = most(self.time, now);
+        self.credit = least(SLOT, self.credit + now - self.time);
         self.time = now;
         if self.unchanged_until.is_some_and(|until| now < until - SAME_TIME) {
             return self.applied;
@@ -159,7 +160,7 @@ impl Actuation {
         // The tolerance covers rounding in plans that use the limit to the full.
         self.settled = needed <= self.credit + 1e-6;
         if self.settled {
-            self.credit = (self.credit - needed).max(0.0);
+            self.credit = most(0.0, self.credit - needed);
             return demand;
         }
         let share = self.credit / needed;
@@ -178,7 +179,7 @@ impl Actuation {
             next = first.next_change(now, &self.drive);
         }
         if let Some(second) = self.horizon(1) {
-            next = next.min(second.start);
+            next = least(next, second.start);
         }
         if self.settled { next } else { next.min(now + RAMP_STEP) }
     }

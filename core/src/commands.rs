@@ -3,6 +3,7 @@
 use crate::actuation::Playing;
 use crate::controller::settings::Attribution;
 use crate::geometry::WheelSpeeds;
+use crate::geometry::elementary::least;
 use crate::horizon::{Horizon, SLOT};
 use crate::kinematics::{self, Drive};
 use serde::{Deserialize, Serialize};
@@ -31,14 +32,56 @@ struct Played {
 /// The horizons sent to one robot and its reports of what it plays, oldest first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Commands {
-    sent: VecDeque<Horizon>,
+    sent: Sent,
     played: VecDeque<Played>,
 }
 
 impl Default for Commands {
     /// None yet, and room for all that are ever remembered: nothing is allocated later.
     fn default() -> Self {
-        Self { sent: VecDeque::with_capacity(REMEMBERED), played: VecDeque::with_capacity(REPORTS) }
+        Self { sent: Sent::default(), played: VecDeque::with_capacity(REPORTS) }
+    }
+}
+
+/// Horizons as sent, oldest first, in a ring: they are large and stay where they are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Sent {
+    places: Vec<Horizon>,
+    /// The place of the oldest.
+    first: usize,
+    /// How many had begun when the last pose was taken: walks begin there, and look no further back.
+    settled: usize,
+}
+
+impl Default for Sent {
+    fn default() -> Self {
+        Self { places: Vec::with_capacity(REMEMBERED), first: 0, settled: 0 }
+    }
+}
+
+impl Sent {
+    /// A place for the next one: that of the oldest, once there are many.
+    fn next(&mut self) -> &mut Horizon {
+        if self.places.len() < REMEMBERED {
+            self.places.push(Horizon::EMPTY);
+            let last = self.places.len() - 1;
+            return &mut self.places[last];
+        }
+        let place = self.first;
+        self.first = (place + 1) % REMEMBERED;
+        self.settled = self.settled.saturating_sub(1);
+        &mut self.places[place]
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> Option<&Horizon> {
+        let (at, count) = (self.first + index, self.places.len());
+        (index < count).then(|| &self.places[if at < count { at } else { at - count }])
+    }
+
+    fn newest_first(&self) -> impl Iterator<Item = &Horizon> {
+        let (newer, older) = self.places.split_at(self.first);
+        newer.iter().rev().chain(older.iter().rev())
     }
 }
 
@@ -47,13 +90,7 @@ impl Commands {
     ///
     /// It is filled in place, that of the one forgotten for it: a horizon is large, and one is sent in every slot.
     pub fn begin(&mut self, sequence: u64, start: f64, slot: f64, watchdog: f64) -> &mut Horizon {
-        if self.sent.len() >= REMEMBERED {
-            self.sent.rotate_left(1);
-        } else {
-            self.sent.push_back(Horizon::EMPTY);
-        }
-        let last = self.sent.len() - 1;
-        let horizon = &mut self.sent[last];
+        let horizon = self.sent.next();
         (horizon.sequence, horizon.answers) = (sequence, sequence);
         (horizon.start, horizon.slot, horizon.watchdog) = (start, slot, watchdog);
         horizon.speeds.clear();
@@ -78,7 +115,7 @@ impl Commands {
 
     /// The newest horizon sent.
     pub fn newest(&self) -> Option<&Horizon> {
-        self.sent.back()
+        self.sent.get(self.sent.places.len().checked_sub(1)?)
     }
 
     /// Whether what was played from `from` to `to` is known: horizons remembered, no hole in the reports, and no
@@ -122,24 +159,43 @@ impl Commands {
 
     fn horizon(&self, sequence: u64) -> Option<&Horizon> {
         // Asked for among the newest, as a rule.
-        self.sent.iter().rev().find(|horizon| horizon.sequence == sequence)
+        self.sent.newest_first().find(|horizon| horizon.sequence == sequence)
     }
 
     /// How many horizons have begun at `time`, as sent.
     fn sent_at(&self, time: f64) -> usize {
-        self.sent.iter().rposition(|horizon| horizon.start <= time + SOON).map_or(0, |at| at + 1)
+        let ahead = self.sent.newest_first().take_while(|horizon| horizon.start > time + SOON);
+        self.sent.places.len() - ahead.count()
     }
 
-    /// The same where `begun` of them had begun at an earlier time.
-    fn sent_from(&self, begun: usize, time: f64) -> usize {
-        let after = self.sent.range(begun..);
-        begun + after.take_while(|horizon| horizon.start <= time + SOON).count()
+    /// The same, quicker at times at which walks begin.
+    fn sent_near(&self, time: f64) -> usize {
+        let has_begun =
+            |at: usize| self.sent.get(at).is_some_and(|horizon| horizon.start <= time + SOON);
+        let mut begun = self.sent.settled;
+        if begun > 0 && !has_begun(begun - 1) {
+            return self.sent_at(time);
+        }
+        while has_begun(begun) {
+            begun += 1;
+        }
+        begun
+    }
+
+    /// The last pose was taken at `time`: walks will begin there.
+    pub fn settle(&mut self, time: f64) {
+        self.sent.settled = self.sent_near(time);
     }
 
     /// The last of the first `begun` horizons, and when the next one takes its place.
     fn sent_in_force(&self, begun: usize) -> (Option<&Horizon>, f64) {
         let until = self.sent.get(begun).map_or(f64::INFINITY, |next| next.start);
-        (begun.checked_sub(1).and_then(|at| self.sent.get(at)), until)
+        (self.last_of(begun), until)
+    }
+
+    /// The last of the first `begun` horizons.
+    fn last_of(&self, begun: usize) -> Option<&Horizon> {
+        self.sent.get(begun.checked_sub(1)?)
     }
 
     /// The horizon in force at `time`, and when another one takes its place.
@@ -184,20 +240,30 @@ impl Commands {
         mut each: impl FnMut(WheelSpeeds, f64),
     ) {
         let mut time = from;
-        let mut sent = self.sent_at(from);
+        // As sent, nothing is looked up twice: in force is the one that was, or the one after it.
+        let mut begun = self.sent_near(from);
+        let (mut in_force, mut next) = (self.last_of(begun), self.sent.get(begun));
         while time < to - 1e-9 {
             let (horizon, until) = if attribution == Attribution::Sent {
-                // Nothing is looked up twice: the one in force is this or the one after it.
-                sent = self.sent_from(sent, time);
-                self.sent_in_force(sent)
+                while let Some(horizon) = next
+                    && horizon.start <= time + SOON
+                {
+                    begun += 1;
+                    (in_force, next) = (next, self.sent.get(begun));
+                }
+                (in_force, next.map_or(f64::INFINITY, |next| next.start))
             } else {
                 self.in_force(attribution, time)
             };
             let (speeds, change) = match horizon {
+                // As a rule the next one takes its place before it comes to its second slot.
+                Some(horizon) if until <= horizon.start + horizon.slot => {
+                    (horizon.speeds.first().copied().unwrap_or(WheelSpeeds::ZERO), until)
+                }
                 Some(horizon) => horizon.piece(time, drive),
                 None => (WheelSpeeds::ZERO, f64::INFINITY),
             };
-            let next = until.min(change).min(to);
+            let next = least(least(until, change), to);
             each(speeds, next - time);
             time = next;
         }
@@ -205,7 +271,7 @@ impl Commands {
 
     /// Forgets all: another clock counts from here on.
     pub fn clear(&mut self) {
-        self.sent.clear();
+        self.sent = Sent::default();
         self.played.clear();
     }
 }

@@ -8,9 +8,9 @@ use crate::controller::settings::Settings;
 use crate::controller::task::{Stage, Task};
 use crate::controller::{Controller, Events};
 use crate::exchange::{Exchange, Observation, Request};
+use crate::geometry::elementary::{least, most};
 use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
-use crate::identification::estimate::Environment;
 use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel};
 use serde::{Deserialize, Serialize};
@@ -50,8 +50,8 @@ pub enum EpisodeError {
     Plant(#[from] PlantError),
 }
 
-/// How an episode ended.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// How an episode ended. What was identified is the controller's to say: see [`Scenario::run_with`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Whether the robot was seen at rest at its last waypoint.
     pub arrived: bool,
@@ -59,8 +59,6 @@ pub struct Outcome {
     pub time: f64,
     /// Largest distance in m of the robot's true position from the current leg.
     pub max_deviation: f64,
-    /// The environment as identified at the end.
-    pub environment: Environment,
 }
 
 /// One moment of an episode.
@@ -122,7 +120,6 @@ impl Scenario {
             arrived: progress.stage == Stage::Arrived,
             time: progress.elapsed,
             max_deviation,
-            environment: controller.environment(),
         };
         Ok((outcome, controller))
     }
@@ -194,14 +191,10 @@ impl World {
     /// Goes on to the next moment at which something happens, and lets it happen.
     fn next(&mut self) {
         let frame = self.frames as f64 * SLOT;
-        let first = |arrival: Option<f64>| arrival.unwrap_or(f64::INFINITY);
-        let next = frame
-            .min(first(self.seen.front().map(|(at, _)| *at)))
-            .min(self.upward.next_arrival())
-            .min(self.downward.next_arrival())
-            .min(self.actuation.next_change())
-            .min(self.exchange.next_request(self.now))
-            .max(self.now);
+        let seen = self.seen.front().map_or(f64::INFINITY, |(at, _)| *at);
+        let packet = least(self.upward.next_arrival(), self.downward.next_arrival());
+        let robot = least(self.actuation.next_change(), self.exchange.next_request(self.now));
+        let next = most(self.now, least(least(frame, seen), least(packet, robot)));
         self.now = next;
         if frame <= next {
             self.frames += 1;
@@ -335,7 +328,7 @@ impl<T: Clone> Packets<T> {
 
 /// Takes out the first of what has arrived by `now`.
 fn due<T>(queue: &mut VecDeque<(f64, T)>, now: f64) -> Option<(f64, T)> {
-    queue.front().is_some_and(|(arrival, _)| *arrival <= now).then(|| queue.pop_front()).flatten()
+    if queue.front()?.0 <= now { queue.pop_front() } else { None }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 
 use crate::actuation::Playing;
 use crate::geometry::Pose;
+use crate::geometry::elementary::most;
 use crate::horizon::SLOT;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,9 @@ pub const MAX_CONNECTIONS: usize = 3;
 
 /// A connection whose oldest request waits longer than this many s has stalled.
 pub const STALL: f64 = 0.25;
+
+/// Times that differ by less than this many s are the same.
+const SAME_TIME: f64 = 1e-9;
 
 /// Longest time in s between fresh connections while none answers.
 pub const MAX_BACKOFF: f64 = 1.0;
@@ -146,18 +150,25 @@ impl Exchange {
     /// Robot time in s at which the next request is due, given what is in flight and observed:
     /// with a new pose as soon as a slot has nearly passed since the last request, without one a little later.
     pub fn next_request(&self, now: f64) -> f64 {
-        // A camera in step with the slots jitters: a pose that comes a little early need not wait a whole slot. What
-        // came early is waited for by the next one, so that a faster camera does not speed up the slots.
-        let wait = if self.observations.is_empty() { 0.5 * SLOT } else { -0.4 * SLOT };
-        let due = (self.due + wait).max(now);
-        if self.carried(self.connection) < MAX_IN_FLIGHT {
+        let due = most(now, self.soonest());
+        if self.has_room() {
             return due;
         }
         due.max(self.oldest(self.connection) + STALL).max(self.connected + self.backoff)
     }
 
-    fn carried(&self, connection: u64) -> usize {
-        self.in_flight.iter().filter(|request| request.connection == connection).count()
+    /// When the next request is due, were nothing in flight.
+    fn soonest(&self) -> f64 {
+        // A camera in step with the slots jitters: a pose that comes a little early need not wait a whole slot. What
+        // came early is waited for by the next one, so that a faster camera does not speed up the slots.
+        self.due + if self.observations.is_empty() { 0.5 * SLOT } else { -0.4 * SLOT }
+    }
+
+    /// Whether the connection may carry one more request.
+    fn has_room(&self) -> bool {
+        let on_it = |request: &&InFlight| request.connection == self.connection;
+        self.in_flight.len() < MAX_IN_FLIGHT
+            || self.in_flight.iter().filter(on_it).count() < MAX_IN_FLIGHT
     }
 
     fn oldest(&self, connection: u64) -> f64 {
@@ -172,18 +183,25 @@ impl Exchange {
     }
 
     /// [`Exchange::request`] into a place that is there already; whether one is due.
+    #[inline]
     pub fn write_request(
         &mut self,
         now: f64,
         playing: Option<Playing>,
         request: &mut Request,
     ) -> bool {
-        if self.next_request(now) > now + 1e-9 {
-            return false;
+        // Asked much more often than one is due.
+        let is_due = self.soonest() <= now + SAME_TIME && self.next_request(now) <= now + SAME_TIME;
+        if is_due {
+            self.write(now, playing, request);
         }
+        is_due
+    }
+
+    fn write(&mut self, now: f64, playing: Option<Playing>, request: &mut Request) {
         let stalled =
             now - self.oldest(self.connection) >= STALL && now - self.connected >= self.backoff;
-        if stalled || self.carried(self.connection) >= MAX_IN_FLIGHT {
+        if stalled || !self.has_room() {
             self.connection += 1;
             self.connected = now;
             self.backoff = (2.0 * self.backoff).min(MAX_BACKOFF);
@@ -201,7 +219,6 @@ impl Exchange {
         request.deliveries.clone_from(&self.deliveries);
         self.observations.clear();
         self.deliveries.clear();
-        true
     }
 
     /// The reply to request `sequence` arrives. Returns its loop delay in s where the request carried a new

@@ -193,6 +193,9 @@ pub struct Displacement {
 impl Displacement {
     /// This motion followed by `next`, which starts where this one ends.
     pub fn then(self, next: Self) -> Self {
+        if next.forward == 0.0 && next.lateral == 0.0 {
+            return Self { turn: self.turn + next.turn, ..self };
+        }
         let (sin, cos) = sin_cos(self.turn);
         Self {
             forward: self.forward + cos * next.forward - sin * next.lateral,

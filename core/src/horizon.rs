@@ -100,14 +100,16 @@ impl Horizon {
     /// [`Horizon::at`] and [`Horizon::next_change`] at once.
     #[inline]
     pub fn piece(&self, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
-        let slots = (time - self.start) / self.slot + BOUNDARY;
-        if slots < 0.0 {
+        let past = time - self.start + BOUNDARY * self.slot;
+        if past < 0.0 {
             return (WheelSpeeds::ZERO, self.start);
         }
         // The last entry goes on past its slot.
-        let next = (slots as usize).saturating_add(1);
-        if next < self.speeds.len() {
-            return (self.speeds[next - 1], self.start + next as f64 * self.slot);
+        if self.speeds.len() > 1 {
+            let next = ((past / self.slot) as usize).saturating_add(1);
+            if next < self.speeds.len() {
+                return (self.speeds[next - 1], self.start + next as f64 * self.slot);
+            }
         }
         self.last_piece(time, drive)
     }

@@ -1,6 +1,6 @@
 //! Two-wheel drive: radius, track, limits, actuator lag; forward, inverse and exact-arc integration.
 
-use crate::geometry::elementary::{exp, sinc_cos};
+use crate::geometry::elementary::{exp, least, most, sinc_cos};
 use crate::geometry::{Displacement, Twist, WheelSpeeds};
 use serde::{Deserialize, Serialize};
 
@@ -77,8 +77,10 @@ impl Drive {
     pub fn change_time(&self, from: Twist, to: Twist) -> f64 {
         let linear = beyond(to.linear, self.min_linear) - beyond(from.linear, self.min_linear);
         let angular = beyond(to.angular, self.min_angular) - beyond(from.angular, self.min_angular);
-        (linear.abs() / self.max_linear_acceleration)
-            .max(angular.abs() / self.max_angular_acceleration)
+        most(
+            linear.abs() / self.max_linear_acceleration,
+            angular.abs() / self.max_angular_acceleration,
+        )
     }
 
     /// The twist nearest to `to` that is reached from `from` within `duration` s, each component by itself
@@ -126,7 +128,7 @@ impl Drive {
 
 /// The part of `speed` beyond the band (-minimum, minimum), signed.
 fn beyond(speed: f64, minimum: f64) -> f64 {
-    speed - speed.clamp(-minimum, minimum)
+    speed - most(-minimum, least(minimum, speed))
 }
 
 /// A `share` of the way from `from` to `to`, of which the band (-minimum, minimum) is no part.
@@ -183,6 +185,9 @@ pub fn integrate(twist: Twist, duration: f64) -> Displacement {
 ///
 /// The chord is `length` sinc(turn/2), at half the turn.
 pub fn arc(length: f64, turn: f64) -> Displacement {
+    if length == 0.0 {
+        return Displacement { forward: 0.0, lateral: 0.0, turn };
+    }
     let half = turn / 2.0;
     let (sinc, cos) = sinc_cos(half);
     let chord = length * sinc;

@@ -12,6 +12,7 @@ pub mod actuation;
 pub mod commands;
 pub mod conjugate;
 pub mod controller;
+mod draws;
 pub mod episode;
 pub mod evolution;
 pub mod exchange;

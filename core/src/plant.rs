@@ -1,17 +1,15 @@
 //! A simulated robot: two-wheel kinematics, actuator lag and dead time, slip of the floor, noise of the camera.
 //!
-//! Slip is a ratio error of the commanded motion, white in time. It is drawn per **cell** of 5 ms of the plant's own
+//! Slip is a ratio error of the commanded motion, white in time. It is drawn per **cell** of 10 ms of the plant's own
 //! time and held within it, so the path does not depend on how a time span is cut into calls, and two plants of one
 //! seed meet the same floor in the same cell whatever they are told to do.
 
+use crate::draws::{Draws, Stream};
 use crate::exchange::PoseNoise;
-use crate::geometry::elementary::{sin_cos, sinc_cos};
+use crate::geometry::elementary::{least, sin_cos, sinc_cos};
 use crate::geometry::{Pose, Twist, WheelSpeeds};
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 mod slip;
@@ -19,7 +17,7 @@ mod slip;
 pub use slip::{MAX_SLIP_SD, SLIP_PRESETS, SLIP_WINDOW, Slip, SlipChannel, SlipError};
 
 /// Length of a cell in s: slip is constant within one, and no integration step is longer.
-pub const CELL: f64 = 0.005;
+pub const CELL: f64 = 0.010;
 
 /// Longest dead time in s; five times the longest measured of robots of this class.
 pub const MAX_DEAD_TIME: f64 = 1.0;
@@ -135,12 +133,17 @@ pub struct Plant {
     given: WheelSpeeds,
     /// Commands on their way through the dead time, with the time in s they come into force.
     waiting: ArrayVec<(f64, WheelSpeeds), MAX_WAITING>,
-    /// Rest of the current cell in s.
+    /// The key of its floor's draws.
+    floor: u64,
+    /// Cells begun so far, and the rest of the current one in s.
+    cells: i64,
     cell_left: f64,
-    /// Ratio errors of the current cell in standard deviations: forward, lateral, turn, drift.
-    cell: [f64; 4],
-    slip_rng: Pcg64,
-    noise_rng: Pcg64,
+    /// Ratio errors of the current cell in standard deviations, as many as its motion has asked for: turn, drift,
+    /// forward, lateral.
+    errors: ArrayVec<f64, 4>,
+    /// The key of its camera's draws, and poses observed so far.
+    camera: u64,
+    observed: i64,
 }
 
 impl Plant {
@@ -151,7 +154,6 @@ impl Plant {
         if !(x.is_finite() && y.is_finite() && heading.is_finite()) {
             return Err(PlantError::Start { x, y, heading });
         }
-        let mut root = Pcg64::seed_from_u64(seed);
         Ok(Self {
             model,
             pose: start,
@@ -160,10 +162,12 @@ impl Plant {
             in_force: WheelSpeeds::ZERO,
             given: WheelSpeeds::ZERO,
             waiting: ArrayVec::new(),
+            floor: Draws::key(seed, Stream::Slip),
+            cells: 0,
             cell_left: 0.0,
-            cell: [0.0; 4],
-            slip_rng: Pcg64::from_rng(&mut root),
-            noise_rng: Pcg64::from_rng(&mut root),
+            errors: ArrayVec::new(),
+            camera: Draws::key(seed, Stream::Noise),
+            observed: 0,
         })
     }
 
@@ -195,7 +199,9 @@ impl Plant {
     /// The true pose plus measurement noise, drawn anew on each call.
     pub fn observe(&mut self) -> Pose {
         let PoseNoise { position, heading } = self.model.noise;
-        let [x, y, turn] = normals(&mut self.noise_rng);
+        let mut draws = Draws::at(self.camera, self.observed);
+        self.observed += 1;
+        let [x, y, turn]: [f64; 3] = std::array::from_fn(|_| draws.normal());
         Pose {
             x: self.pose.x + position * x,
             y: self.pose.y + position * y,
@@ -217,12 +223,13 @@ impl Plant {
         while left > 0.0 {
             self.take_over();
             if self.cell_left <= ROUNDING {
-                self.cell = normals(&mut self.slip_rng);
+                self.cells += 1;
                 self.cell_left = CELL;
+                self.errors.clear();
             }
-            let mut step = left.min(self.cell_left);
+            let mut step = least(left, self.cell_left);
             if let Some(&(from, _)) = self.waiting.first() {
-                step = step.min(from - self.time);
+                step = least(step, from - self.time);
             }
             self.step(step);
             left -= step;
@@ -272,7 +279,13 @@ impl Plant {
         self.speeds = end;
         if twist != Twist::ZERO {
             let (length, turn) = (twist.linear * duration, twist.angular * duration);
-            self.pose = slipped(self.pose, &self.model.slip, length, turn, self.cell);
+            // A turn in place asks for its own error only.
+            let asked = if length == 0.0 { 1 } else { 4 };
+            if self.errors.len() < asked {
+                let mut draws = Draws::at(self.floor, self.cells);
+                self.errors = (0..asked).map(|_| draws.normal()).collect();
+            }
+            self.pose = slipped(self.pose, &self.model.slip, length, turn, &self.errors);
         }
         self.time += duration;
         self.cell_left -= duration;
@@ -281,15 +294,19 @@ impl Plant {
 
 /// The pose after a commanded arc of `length` m and `turn` rad from `pose` within a cell, on a floor with `slip`.
 ///
-/// A ratio error is mean + sd sqrt(window/cell) z, so that over a cell of h = 5 ms the forward error is
+/// A ratio error is mean + sd sqrt(window/cell) z, so that over a cell of h = 10 ms the forward error is
 /// l mean + N(0, sd^2 0.1 s l^2/h). Forward and sideways speed and turning rate are constant: the exact arc of both,
 /// whose chord points at half the turn.
-fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: [f64; 4]) -> Pose {
+fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: &[f64]) -> Pose {
     let scale = (SLIP_WINDOW / CELL).sqrt();
     let ratio = |channel: SlipChannel, z: f64| channel.mean() + channel.sd() * scale * z;
-    let forward = length * (1.0 + ratio(slip.forward, z[0]));
-    let lateral = length * ratio(slip.lateral, z[1]);
-    let turn = turn * (1.0 + ratio(slip.turn, z[2])) + length * ratio(slip.drift, z[3]);
+    let turn = turn * (1.0 + ratio(slip.turn, z[0]));
+    let &[_, drift, forward, lateral] = z else {
+        return Pose { heading: pose.heading + turn, ..pose };
+    };
+    let turn = turn + length * ratio(slip.drift, drift);
+    let forward = length * (1.0 + ratio(slip.forward, forward));
+    let lateral = length * ratio(slip.lateral, lateral);
     let (sinc, _) = sinc_cos(turn / 2.0);
     let (sin, cos) = sin_cos(pose.heading.radians() + turn / 2.0);
     Pose {
@@ -297,10 +314,6 @@ fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: [f64; 4]) -> Pose
         y: pose.y + sinc * (sin * forward + cos * lateral),
         heading: pose.heading + turn,
     }
-}
-
-fn normals<const N: usize>(rng: &mut Pcg64) -> [f64; N] {
-    std::array::from_fn(|_| StandardNormal.sample(rng))
 }
 
 #[cfg(test)]

@@ -11,12 +11,12 @@ pub mod task;
 
 use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
-use crate::geometry::{Displacement, Point, WheelSpeeds, length};
+use crate::geometry::{Displacement, Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Environment;
 use crate::identification::{Belief, Verdict, Window};
 use crate::kinematics;
-use crate::prediction::{Agents, ErrorModel, Motion, Prediction};
+use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use arrayvec::ArrayVec;
 use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
@@ -194,11 +194,11 @@ impl Controller {
         let (window, moved, wheels) = self.nominal(&track, observation.taken);
         let predicted = track.last.pose.then(moved);
         let span = observation.taken - track.last.taken;
-        if !self.can_have_moved(predicted.relative_to(observation.pose), span) {
+        if !self.can_have_moved(predicted, observation.pose, span) {
             self.belief.poses_set_aside += 1;
             let again = self.doubt.filter(|doubt| {
                 let span = observation.taken - doubt.last.taken;
-                self.can_have_moved(doubt.last.pose.relative_to(observation.pose), span)
+                self.can_have_moved(doubt.last.pose, observation.pose, span)
             });
             let count = again.map_or(1, |doubt| doubt.count + 1);
             if count < BELIEVED_AGAIN {
@@ -216,6 +216,7 @@ impl Controller {
             self.track = Some(Track { last: observation, wheels, window, interval });
         }
         self.doubt = None;
+        self.commands.settle(observation.taken - self.settings.drive.dead_time);
         self.follow_task(&observation, events);
     }
 
@@ -223,15 +224,14 @@ impl Controller {
     /// displacement, and what the wheels do at its end.
     fn nominal(&self, track: &Track, until: f64) -> (Window, Displacement, WheelSpeeds) {
         let drive = &self.settings.drive;
-        let (mut window, mut moved, mut wheels) =
-            (track.window, Displacement::default(), track.wheels);
+        let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            window.add(twist, duration);
-            moved = moved.then(kinematics::integrate(twist, duration));
+            let piece = window.add(twist, duration);
+            moved = Some(moved.map_or(piece, |moved: Displacement| moved.then(piece)));
             wheels = end;
         });
-        (window, moved, wheels)
+        (window, moved.unwrap_or_default(), wheels)
     }
 
     /// The commands that act on the robot from `from` to `until`: dead time after they come into force.
@@ -246,12 +246,13 @@ impl Controller {
         );
     }
 
-    /// Whether a robot can be off its prediction by `offset` after `span` s.
-    fn can_have_moved(&self, offset: Displacement, span: f64) -> bool {
+    /// Whether a robot can be at `pose` where `expected` was predicted over `span` s.
+    fn can_have_moved(&self, expected: Pose, pose: Pose, span: f64) -> bool {
         let Settings { drive, noise, .. } = &self.settings;
         let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
         let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
-        length(offset.forward, offset.lateral) <= far && offset.turn.abs() <= turned
+        expected.point().distance(pose.point()) <= far
+            && expected.heading.minus(pose.heading).abs() <= turned
     }
 
     /// Closes the window with a pose where it is ripe; the window that goes on.
@@ -324,7 +325,6 @@ impl Controller {
         let start = Start {
             time: begins,
             since_change,
-            prediction,
             wheels,
             previous: kinematics::forward(&drive, before),
             phase: self.phase,
@@ -334,7 +334,8 @@ impl Controller {
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
-        plan::plan(&self.settings, &model, self.task.as_ref(), start, speeds, phases);
+        let task = self.task.as_ref();
+        plan::plan(&self.settings, &model, task, start, prediction, speeds, phases);
         horizon
     }
 
@@ -350,11 +351,12 @@ impl Controller {
         // Poses need not come once per slot: a plan may begin within a slot of the old one, whose decision then stands
         // already, or after many, and with them perhaps several phases, after a stall.
         let slots = ((start - old_start) / slot).max(0.0);
-        let whole = (slots + SAME_SLOT).floor();
+        let index = (slots + SAME_SLOT) as usize;
+        let whole = index as f64;
         let within = (slots - whole).max(0.0);
         let is_within = within > SAME_SLOT;
         let last = phases.len() - 1;
-        let index = (whole as usize).saturating_add(usize::from(is_within)).min(last);
+        let index = index.saturating_add(usize::from(is_within)).min(last);
         for (index, phase) in phases.iter().enumerate().take(index + 1) {
             self.record.pass(*phase, old_start + index as f64 * slot);
         }
@@ -375,19 +377,25 @@ impl Controller {
     ) -> (Prediction, WheelSpeeds) {
         let Settings { drive, noise, predictor, .. } = &self.settings;
         let pose = track.last.pose;
-        let mut prediction = match *predictor {
-            PredictorKind::Moments => Prediction::moments(pose, *noise),
-            PredictorKind::MonteCarlo { agents, cell, seed } => Prediction::MonteCarlo(
-                Agents::new(pose, *noise, model, agents, cell, seed ^ sequence),
-            ),
+        let (mut prediction, mut pieces) = match *predictor {
+            PredictorKind::Moments => (Prediction::moments(pose, *noise), Pieces::gathered()),
+            PredictorKind::MonteCarlo { agents, cell, seed } => {
+                let agents = Agents::new(pose, *noise, model, agents, cell, seed ^ sequence);
+                (Prediction::MonteCarlo(agents), Pieces::apart())
+            }
         };
         let mut wheels = track.wheels;
         // Commands act a dead time after they come into force, those of the horizon too.
         self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            prediction.advance(model, Motion::new(twist, duration));
+            if let Some(motion) = pieces.add(twist, duration) {
+                prediction.advance(model, motion);
+            }
             wheels = end;
         });
+        if let Some(motion) = pieces.rest() {
+            prediction.advance(model, motion);
+        }
         (prediction, wheels)
     }
 

@@ -98,14 +98,12 @@ impl Phase {
 }
 
 /// What a plan starts from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// Robot time in s at which the first slot begins.
     pub time: f64,
     /// Time in s since the command in force began: what the first change has to keep the acceleration limit.
     pub since_change: f64,
-    /// The predicted pose at that time.
-    pub prediction: Prediction,
     /// What the wheels really do then.
     pub wheels: WheelSpeeds,
     /// The command in force until then.
@@ -123,19 +121,20 @@ pub struct Start {
 /// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
 pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;
 
-/// Rolls the task forward: wheel speeds per slot into `speeds`, the phases that they lead through into `phases`.
+/// Rolls the task forward from the pose predicted at the start: wheel speeds per slot into `speeds`, the phases that they lead through into `phases`.
 /// Both are large and stay in place: a plan is made in every slot.
 pub fn plan(
     settings: &Settings,
     model: &ErrorModel,
     task: Option<&Task>,
     start: Start,
+    prediction: Prediction,
     speeds: &mut ArrayVec<WheelSpeeds, MAX_SLOTS>,
     phases: &mut Phases,
 ) {
     speeds.clear();
     phases.clear();
-    let predictions = [start.prediction.clone(), start.prediction.clone()];
+    let predictions = [prediction.clone(), prediction];
     let mut roll = Roll { settings, model, task, state: start, predictions, now: 0 };
     for slot in 0..settings.slots.clamp(1, MAX_SLOTS) {
         phases.push(roll.state.phase);

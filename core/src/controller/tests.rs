@@ -164,7 +164,7 @@ fn every_entry_keeps_the_variance_rule() {
         let (mut prediction, _) = controller.predict(&track, &model, horizon.start, 0);
         for (slot, twist) in twists(controller, &horizon).into_iter().enumerate() {
             let (length, turn) = (twist.linear * SLOT, twist.angular * SLOT);
-            prediction.advance(&model, Motion { length, turn, duration: SLOT });
+            prediction.advance(&model, Motion::arc(length, turn, SLOT));
             let creeps = twist.linear.abs() <= settings.drive.min_linear + 1e-9
                 && slot as f64 * SLOT < settings.loop_delay;
             let slows = twist.linear <= 0.0 || creeps;

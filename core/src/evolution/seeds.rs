@@ -3,7 +3,7 @@
 //! Nothing is drawn in sequence, so no result depends on the order in which episodes run, on how many threads run
 //! them, or on whether the evolution was resumed.
 
-use crate::link::mix;
+use crate::draws::mix;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 

@@ -38,6 +38,18 @@ fn sinc_cos_near_zero(x: f64) -> (f64, f64) {
     (1.0 + z * sinc, 1.0 - z * (0.5 - z * cos))
 }
 
+/// The smaller of two numbers: one instruction, where the standard library's also says what is to be done with NaN.
+#[inline]
+pub(crate) fn least(one: f64, other: f64) -> f64 {
+    if one < other { one } else { other }
+}
+
+/// The larger of two numbers.
+#[inline]
+pub(crate) fn most(one: f64, other: f64) -> f64 {
+    if one > other { one } else { other }
+}
+
 /// Sine and cosine of `x` rad.
 #[inline]
 pub(crate) fn sin_cos(x: f64) -> (f64, f64) {

@@ -5,8 +5,8 @@ use crate::conjugate::{BetaBernoulli, NormalInverseChiSquared};
 use crate::exchange::{Delivery, Observation};
 use crate::geometry::elementary::{exp, ln};
 use crate::horizon::SLOT;
-use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 /// A delivery is late when its loop delay is above the median by more than this many slots.
 const LATE_SLOTS: f64 = 3.0;
@@ -32,7 +32,7 @@ pub struct LinkBelief {
     deliveries: u64,
     late_deliveries: u64,
     /// (sequence, time at which its newest pose was taken).
-    requests: ArrayVec<(u64, f64), REQUESTS>,
+    requests: VecDeque<(u64, f64)>,
     /// When the last late delivery arrived, in robot time.
     late_arrival: Option<f64>,
 }
@@ -47,7 +47,7 @@ impl Default for LinkBelief {
             late: BetaBernoulli::new(0.1, 1.9).expect("constants in their domain"),
             deliveries: 0,
             late_deliveries: 0,
-            requests: ArrayVec::new(),
+            requests: VecDeque::with_capacity(REQUESTS),
             late_arrival: None,
         }
     }
@@ -57,10 +57,10 @@ impl LinkBelief {
     /// Remembers when the newest pose of a request was taken.
     pub fn request(&mut self, sequence: u64, newest: Option<&Observation>) {
         let Some(newest) = newest else { return };
-        if self.requests.is_full() {
-            self.requests.remove(0);
+        if self.requests.len() >= REQUESTS {
+            self.requests.pop_front();
         }
-        self.requests.push((sequence, newest.taken));
+        self.requests.push_back((sequence, newest.taken));
     }
 
     /// Takes in a reported delivery.
@@ -76,13 +76,17 @@ impl LinkBelief {
         let held_back = arrival
             .zip(self.late_arrival)
             .is_some_and(|(arrival, late)| (arrival - late).abs() < SAME_INSTANT);
-        let is_late = !held_back && delay > self.median() + LATE_SLOTS * SLOT;
+        let ln_delay = ln(delay);
+        // Above the median before it is compared with more than it: half need no exponential.
+        let is_late = !held_back
+            && ln_delay > self.ln_delay.mu()
+            && delay > self.median() + LATE_SLOTS * SLOT;
         self.late = self.late.update(is_late);
         if is_late {
             self.late_deliveries += 1;
             self.late_arrival = arrival;
         } else if !held_back {
-            self.ln_delay = self.ln_delay.update(ln(delay));
+            self.ln_delay = self.ln_delay.update(ln_delay);
         }
     }
 

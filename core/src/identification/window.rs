@@ -87,20 +87,25 @@ impl Window {
         }
     }
 
-    /// Adds a piece of commanded motion: the mean twist over `duration` s.
-    pub fn add(&mut self, twist: Twist, duration: f64) {
-        let (length, turn) = (twist.linear * duration, twist.angular * duration);
-        self.nominal = self.nominal.then(kinematics::arc(length, turn));
+    /// Adds a piece of commanded motion: the mean twist over `duration` s. Returns where it leads.
+    pub fn add(&mut self, twist: Twist, duration: f64) -> Displacement {
+        let mut piece = Displacement::default();
         self.duration += duration;
-        self.length += length;
-        self.turn += turn;
-        self.length_power += twist.linear * length;
-        self.turn_power += twist.angular * turn;
+        if twist != Twist::ZERO {
+            let (length, turn) = (twist.linear * duration, twist.angular * duration);
+            piece = kinematics::arc(length, turn);
+            self.nominal = self.nominal.then(piece);
+            self.length += length;
+            self.turn += turn;
+            self.length_power += twist.linear * length;
+            self.turn_power += twist.angular * turn;
+        }
         let (slowest, fastest) = self.range.unwrap_or((twist, twist));
         let range = |pick: fn(f64, f64) -> f64, so_far: Twist| {
             Twist::new(pick(so_far.linear, twist.linear), pick(so_far.angular, twist.angular))
         };
         self.range = Some((range(f64::min, slowest), range(f64::max, fastest)));
+        piece
     }
 
     /// The motion that the commands alone make from the window's start.

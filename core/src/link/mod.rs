@@ -6,12 +6,10 @@
 //! compared under one seed therefore meet the same late slots however much they send.
 
 mod check;
-mod draw;
 mod packets;
 mod trace;
 
 pub use check::LinkError;
-pub(crate) use draw::mix;
 pub use packets::Link;
 pub use trace::{MAX_TRACE_ROWS, RttTrace, TRACE_HEADER, TraceError, parse_trace};
 

@@ -1,7 +1,7 @@
 //! One run of a link: when a packet sent now arrives.
 
-use super::draw::{SlotDraws, Stream};
 use super::{LinkError, LinkModel, Rtt, SLOT, Z_99};
+use crate::draws::{Draws, Stream};
 use crate::geometry::elementary::exp;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,10 @@ const LATEST: f64 = 1e12;
 
 /// The number of the slot that `now` in s falls into.
 fn slot_of(now: f64) -> i64 {
-    (now / SLOT + ROUNDING).floor() as i64
+    // The C library's floor is a call; what the conversion cuts off is one too many below zero.
+    let slots = now / SLOT + ROUNDING;
+    let whole = slots as i64;
+    if slots < whole as f64 { whole - 1 } else { whole }
 }
 
 /// Before every time in s. Finite, because JSON has no infinity.
@@ -58,6 +61,8 @@ pub struct Link {
     late: Option<(i64, bool)>,
     /// Derived: median in s and spread of the logarithm of one direction's delay; unused unless lognormal.
     one_way: (f64, f64),
+    /// Derived: the keys of the jitter's draws, uplink and downlink.
+    jitter: (u64, u64),
     /// Derived: probability of a late slot after one on time.
     after_on_time: f64,
 }
@@ -108,7 +113,9 @@ impl Link {
         };
         let after_on_time = model.late.after_on_time();
         let (up, down) = (Direction::NEW, Direction::NEW);
-        Ok(Self { model, seed, up, down, late: None, one_way, after_on_time })
+        let key = |stream| Draws::key(seed, stream);
+        let jitter = (key(Stream::UplinkJitter), key(Stream::DownlinkJitter));
+        Ok(Self { model, seed, up, down, late: None, one_way, jitter, after_on_time })
     }
 
     /// What the link is like.
@@ -126,7 +133,7 @@ impl Link {
     /// A send time that is not a number or beyond 10^12 s is lost too.
     pub fn uplink(&mut self, now: f64) -> Option<f64> {
         let slot = sendable(now)?;
-        let ordinary = self.ordinary_delay(Stream::UplinkJitter, now, slot);
+        let ordinary = self.ordinary_delay(self.jitter.0, now, slot);
         let mut up = self.up;
         let arrival = self.deliver(&mut up, now, slot, ordinary);
         self.up = up;
@@ -138,7 +145,7 @@ impl Link {
     /// A send time that is not a number or beyond 10^12 s is lost too.
     pub fn downlink(&mut self, now: f64) -> Option<f64> {
         let slot = sendable(now)?;
-        let mut delay = self.ordinary_delay(Stream::DownlinkJitter, now, slot);
+        let mut delay = self.ordinary_delay(self.jitter.1, now, slot);
         if self.model.late.probability > 0.0 && self.is_late(slot) {
             delay += self.model.late.extra;
         }
@@ -149,12 +156,12 @@ impl Link {
     }
 
     /// One direction's share of the RTT of `slot`, in s.
-    fn ordinary_delay(&self, stream: Stream, now: f64, slot: i64) -> f64 {
+    fn ordinary_delay(&self, key: u64, now: f64, slot: i64) -> f64 {
         match &self.model.rtt {
             Rtt::Constant(rtt) => rtt / 2.0,
             Rtt::Lognormal { .. } => {
                 let (median, sigma) = self.one_way;
-                median * exp(sigma * SlotDraws::new(self.seed, stream, slot).normal())
+                median * exp(sigma * Draws::at(key, slot).normal())
             }
             Rtt::Trace(trace) => trace.at(now) / 2.0,
         }
@@ -175,7 +182,7 @@ impl Link {
                 Some((known, late)) if known == at => break late,
                 _ => {}
             }
-            let u = SlotDraws::new(self.seed, Stream::Late, at).uniform();
+            let u = Draws::new(self.seed, Stream::Late, at).uniform();
             if u < a.min(b) {
                 break true;
             }
@@ -233,7 +240,7 @@ impl Link {
         let reach = (silences.longest / SLOT).ceil() as i64 + 1;
         let mut at = direction.unseen.max(slot - reach);
         while at <= slot || at as f64 * SLOT < direction.dark_until {
-            let mut draws = SlotDraws::new(self.seed, Stream::Silence, at);
+            let mut draws = Draws::new(self.seed, Stream::Silence, at);
             if draws.uniform() < silences.rate * SLOT {
                 let end = at as f64 * SLOT + silences.duration(draws.uniform());
                 direction.dark_until = direction.dark_until.max(end);

@@ -273,7 +273,7 @@ proptest! {
             cuts.iter().for_each(|&piece| cut.advance(wheels(twist), piece));
         }
         // within a cell the speed of a lagging wheel changes a little, and with it the curve
-        prop_assert!(distance(whole.pose(), cut.pose()) < 1e-6);
+        prop_assert!(distance(whole.pose(), cut.pose()) < 1e-5);
         prop_assert!((whole.wheel_speeds().left - cut.wheel_speeds().left).abs() < 1e-9);
     }
 

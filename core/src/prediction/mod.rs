@@ -5,9 +5,11 @@
 
 mod moments;
 mod monte_carlo;
+mod pieces;
 
 pub use moments::Moments;
 pub use monte_carlo::Agents;
+pub use pieces::Pieces;
 
 use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::settings::PoseNoise;
@@ -77,21 +79,48 @@ impl ErrorModel {
     };
 }
 
-/// A commanded motion over some time: arc length in m, turn in rad, duration in s (positive).
+/// A commanded motion over some time, at one speed or several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Signed arc length in m.
     pub length: f64,
     /// Turn in rad.
     pub turn: f64,
-    /// Duration in s.
+    /// Duration in s, positive.
     pub duration: f64,
+    /// int v^2 dt in m^2/s: what errors white in time grow with.
+    pub length_power: f64,
+    /// int omega^2 dt in rad^2/s.
+    pub turn_power: f64,
 }
 
 impl Motion {
     /// The motion of holding `twist` for `duration` s.
     pub fn new(twist: Twist, duration: f64) -> Self {
-        Self { length: twist.linear * duration, turn: twist.angular * duration, duration }
+        let (length, turn) = (twist.linear * duration, twist.angular * duration);
+        let (length_power, turn_power) = (twist.linear * length, twist.angular * turn);
+        Self { length, turn, duration, length_power, turn_power }
+    }
+
+    /// The motion along an arc of `length` m that turns by `turn` rad in `duration` s.
+    pub fn arc(length: f64, turn: f64, duration: f64) -> Self {
+        Self::new(Twist::new(length / duration, turn / duration), duration)
+    }
+
+    /// This motion followed by `next`.
+    pub fn then(self, next: Self) -> Self {
+        Self {
+            length: self.length + next.length,
+            turn: self.turn + next.turn,
+            duration: self.duration + next.duration,
+            length_power: self.length_power + next.length_power,
+            turn_power: self.turn_power + next.turn_power,
+        }
+    }
+
+    /// Whether anything moves.
+    pub fn is_motion(self) -> bool {
+        self.length != 0.0 || self.turn != 0.0
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{ERROR_WINDOW, ErrorModel, Motion, Spread};
 use crate::controller::settings::PoseNoise;
 use crate::geometry::Pose;
-use crate::geometry::elementary::{exp, sin_cos};
+use crate::geometry::elementary::{exp, sin_cos, sinc_cos};
 use nalgebra::Matrix3;
 
 /// Mean and covariance of a predicted pose.
@@ -11,7 +11,7 @@ use nalgebra::Matrix3;
 /// The state is the pose augmented with the four channel means. Its covariance has a constant block (the means'
 /// own variance), so it is carried as the covariance of the pose for known means and the sensitivity of the pose
 /// to each mean: Cov = Q + J diag(mean_variance) J^T. That is exact for the heading:
-/// Var(heading) = E\[sigma^2\] (sum phi^2 + (sum phi)^2/k_n). Positions follow the chord at half the turn,
+/// Var(heading) = E\[sigma^2\] (sum phi^2 + (sum phi)^2/k_n). Positions follow the arc's chord at half the turn,
 /// shortened by e^(-V/2) for a heading of variance V; terms of second order in V are left out of the covariance,
 /// which is good to a few percent below the heading threshold of 0.1 rad^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl Moments {
     /// Goes on by one commanded motion.
     ///
     /// Forward f = l (1 + mu_f), lateral g = l mu_l, turn d = phi (1 + mu_t) + l mu_d; each error is white in time:
-    /// over h s its variance is sigma^2 x 0.1 s x l^2/h (or phi^2/h).
+    /// over h s its variance is sigma^2 x 0.1 s x int v^2 dt (or int omega^2 dt), at constant speed l^2/h (or phi^2/h).
     pub fn advance(&mut self, model: &ErrorModel, motion: Motion) {
         let before = *self;
         before.write_after(model, motion, self);
@@ -69,16 +69,15 @@ impl Moments {
     /// [`Moments::advance`] to another place, field by field: whoever may have to go back copies nothing.
     #[inline]
     pub fn write_after(&self, model: &ErrorModel, motion: Motion, after: &mut Self) {
-        let Motion { length, turn, duration } = motion;
-        if length == 0.0 && turn == 0.0 {
+        if !motion.is_motion() {
             *after = *self;
             return;
         }
+        let Motion { length, turn, length_power, turn_power, .. } = motion;
         let forward = length * (1.0 + model.forward.mean);
         let lateral = length * model.lateral.mean;
         let turned = turn * (1.0 + model.turn.mean) + length * model.drift.mean;
-        let share = ERROR_WINDOW / duration;
-        let (per_length, per_turn) = (share * length * length, share * turn * turn);
+        let (per_length, per_turn) = (ERROR_WINDOW * length_power, ERROR_WINDOW * turn_power);
         let forward_variance = model.forward.variance * per_length;
         let lateral_variance = model.lateral.variance * per_length;
         let turn_variance = model.turn.variance * per_turn + model.drift.variance * per_length;
@@ -89,10 +88,19 @@ impl Moments {
             model.drift.mean_variance,
         ];
 
+        if length == 0.0 {
+            *after = *self;
+            after.heading += turned;
+            after.known.hh += turn_variance;
+            after.by_turn[2] += turn;
+            after.mean_variance = mean_variance;
+            return;
+        }
         let [_, _, turn_mean, drift_mean] = mean_variance;
-        let halfway = self.heading_variance(turn_mean, drift_mean) + turn_variance / 4.0;
+        let halfway = self.heading_variance(turn_mean, drift_mean) + turn_variance / 2.0;
         let (sin, cos) = sin_cos(self.heading + turned / 2.0);
-        let shrink = exp(-halfway / 2.0);
+        let (sinc, _) = sinc_cos(turned / 2.0);
+        let shrink = sinc * exp(-halfway / 2.0);
         let (sin, cos) = (sin * shrink, cos * shrink);
         let (dx, dy) = (forward * cos - lateral * sin, forward * sin + lateral * cos);
 
@@ -103,8 +111,8 @@ impl Moments {
             [x - dy * halfway, y + dx * halfway, heading + weight]
         };
         let Symmetric { xx, xy, yy, xh, yh, hh } = self.known;
-        // Half of this motion's turn variance turns its own chord.
-        let (around_hh, around_h) = (hh + turn_variance / 4.0, hh + turn_variance / 2.0);
+        // Of this motion's own turn variance a third turns its chord, as of anything that grows evenly.
+        let (around_hh, around_h) = (hh + turn_variance / 3.0, hh + turn_variance / 2.0);
         after.known = Symmetric {
             xx: xx - 2.0 * dy * xh
                 + dy * dy * around_hh

@@ -55,7 +55,7 @@ impl Agents {
 
     /// Moves every agent by one commanded motion with errors of its own.
     pub fn advance(&mut self, motion: Motion) {
-        let Motion { length, turn, duration } = motion;
+        let Motion { length, turn, duration, .. } = motion;
         if length == 0.0 && turn == 0.0 {
             return;
         }
@@ -164,8 +164,8 @@ mod tests {
     /// Twenty slots: a turn, then a curve, at the robot's full speed.
     fn drive() -> Vec<Motion> {
         let slot = 0.03;
-        let turning = Motion { length: 0.0, turn: 1.25 * slot, duration: slot };
-        let driving = Motion { length: 0.13 * slot, turn: 0.3 * slot, duration: slot };
+        let turning = Motion::arc(0.0, 1.25 * slot, slot);
+        let driving = Motion::arc(0.13 * slot, 0.3 * slot, slot);
         [vec![turning; 8], vec![driving; 20]].concat()
     }
 
@@ -229,7 +229,7 @@ mod tests {
         let mut moments = Moments::new(Pose::default(), PoseNoise::default());
         let phi = 0.1;
         for _ in 0..20 {
-            moments.advance(&model, Motion { length: 0.0, turn: phi, duration: 0.1 });
+            moments.advance(&model, Motion::arc(0.0, phi, 0.1));
         }
         let (sum_of_squares, sum) = (20.0 * phi * phi, 20.0 * phi);
         let expected = 0.01 * (sum_of_squares + sum * sum / 2.0);
@@ -248,8 +248,7 @@ mod tests {
             let mut prediction = Prediction::moments(Pose::default(), PoseNoise::default());
             let share = 1.0 / f64::from(pieces);
             for _ in 0..pieces {
-                let motion =
-                    Motion { length: 0.02 * share, turn: 0.05 * share, duration: 0.15 * share };
+                let motion = Motion::arc(0.02 * share, 0.05 * share, 0.15 * share);
                 prediction.advance(&model, motion);
             }
             prediction.spread()
@@ -264,7 +263,7 @@ mod tests {
     fn without_errors_the_prediction_is_the_arc() {
         let mut prediction = Prediction::moments(Pose::new(1.0, 2.0, 0.5), PoseNoise::default());
         for _ in 0..100 {
-            let motion = Motion { length: 0.0013, turn: 0.01, duration: 0.01 };
+            let motion = Motion::arc(0.0013, 0.01, 0.01);
             prediction.advance(&ErrorModel::PERFECT, motion);
         }
         let exact = Pose::new(1.0, 2.0, 0.5).then(crate::kinematics::arc(0.13, 1.0));
