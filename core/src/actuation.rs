@@ -85,7 +85,8 @@ impl Actuation {
             return Acceptance::Stale;
         }
         self.newest = Some(horizon.sequence);
-        self.unchanged_until = None;
+        // What plays goes on until the new one begins.
+        self.unchanged_until = self.unchanged_until.map(|until| least(until, horizon.start));
         // A waiting horizon that would begin no earlier than this newer one is never played.
         while self.held.last().is_some_and(|&last| self.places[last].start >= horizon.start) {
             self.held.pop();

@@ -137,8 +137,8 @@ struct World {
     actuation: Actuation,
     server: Server,
     applied: WheelSpeeds,
-    /// Poses on their way from the camera: (arrival, pose).
-    seen: VecDeque<(f64, Observation)>,
+    /// Poses on their way from the camera.
+    seen: Queue<Observation>,
     /// Requests and replies on their way.
     upward: Packets<Request>,
     downward: Packets<Horizon>,
@@ -149,15 +149,15 @@ struct Server {
     controller: Controller,
     newest_request: u64,
     /// True positions that the controller has not seen yet: which leg they belong to is not known before.
-    travelled: VecDeque<(f64, Point)>,
+    travelled: Queue<Point>,
     deviation: f64,
     max_deviation: f64,
 }
 
 /// Packets on their way. They are large: each stays in its place, and places are used again.
 struct Packets<T> {
-    /// (arrival, place), by arrival.
-    arrivals: VecDeque<(f64, usize)>,
+    /// Their places.
+    arrivals: Queue<usize>,
     places: Vec<T>,
     free: Vec<usize>,
 }
@@ -177,12 +177,12 @@ impl World {
             server: Server {
                 controller,
                 newest_request: 0,
-                travelled: VecDeque::with_capacity(4 * ON_THEIR_WAY),
+                travelled: Queue::with_capacity(4 * ON_THEIR_WAY),
                 deviation: 0.0,
                 max_deviation: 0.0,
             },
             applied: WheelSpeeds::ZERO,
-            seen: VecDeque::with_capacity(ON_THEIR_WAY),
+            seen: Queue::with_capacity(ON_THEIR_WAY),
             upward: Packets::new(Request::EMPTY),
             downward: Packets::new(Horizon::EMPTY),
         })
@@ -191,18 +191,17 @@ impl World {
     /// Goes on to the next moment at which something happens, and lets it happen.
     fn next(&mut self) {
         let frame = self.frames as f64 * SLOT;
-        let seen = self.seen.front().map_or(f64::INFINITY, |(at, _)| *at);
-        let packet = least(self.upward.next_arrival(), self.downward.next_arrival());
+        let packet = least(self.upward.arrivals.first, self.downward.arrivals.first);
         let robot = least(self.actuation.next_change(), self.exchange.next_request(self.now));
-        let next = most(self.now, least(least(frame, seen), least(packet, robot)));
+        let next = most(self.now, least(least(frame, self.seen.first), least(packet, robot)));
         self.now = next;
         if frame <= next {
             self.frames += 1;
             self.drive();
             let observation = Observation { pose: self.plant.observe(), taken: frame };
-            self.seen.push_back((self.link.sensor(frame), observation));
+            self.seen.insert(self.link.sensor(frame), observation);
         }
-        while let Some((_, observation)) = due(&mut self.seen, next) {
+        while let Some(observation) = self.seen.due(next) {
             self.exchange.observe(observation);
         }
         while let Some(request) = self.upward.due(next) {
@@ -238,7 +237,7 @@ impl World {
         if self.moved < self.now {
             self.plant.advance(self.applied, self.now - self.moved);
             self.moved = self.now;
-            self.server.travelled.push_back((self.now, self.plant.pose().point()));
+            self.server.travelled.insert(self.now, self.plant.pose().point());
         }
     }
 
@@ -274,7 +273,7 @@ impl Server {
     fn measure(&mut self, before: Option<(Point, Point)>) {
         let after = self.controller.leg();
         let seen = self.controller.pose().map_or(f64::NEG_INFINITY, |pose| pose.taken);
-        while let Some((_, point)) = due(&mut self.travelled, seen) {
+        while let Some(point) = self.travelled.due(seen) {
             let legs = before.into_iter().chain(after);
             let distance = legs.map(|(from, to)| point.distance_to_segment(from, to));
             // Before the task begins and after it ends there is no leg.
@@ -290,14 +289,10 @@ impl<T: Clone> Packets<T> {
     /// None yet; `empty` is what a place holds before it is first written.
     fn new(empty: T) -> Self {
         Self {
-            arrivals: VecDeque::with_capacity(ON_THEIR_WAY),
+            arrivals: Queue::with_capacity(ON_THEIR_WAY),
             places: vec![empty; ON_THEIR_WAY],
             free: (0..ON_THEIR_WAY).rev().collect(),
         }
-    }
-
-    fn next_arrival(&self) -> f64 {
-        self.arrivals.front().map_or(f64::INFINITY, |(at, _)| *at)
     }
 
     /// Where to write the packet that is sent next.
@@ -313,22 +308,49 @@ impl<T: Clone> Packets<T> {
             self.free.push(self.places.len());
             self.places.push(self.places[place].clone());
         }
-        let behind =
-            self.arrivals.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
-        self.arrivals.insert(behind, (arrival, place));
+        self.arrivals.insert(arrival, place);
     }
 
     /// Takes out the first of what has arrived by `now`.
     fn due(&mut self, now: f64) -> Option<&T> {
-        let (_, place) = due(&mut self.arrivals, now)?;
+        let place = self.arrivals.due(now)?;
         self.free.push(place);
         Some(&self.places[place])
     }
 }
 
-/// Takes out the first of what has arrived by `now`.
-fn due<T>(queue: &mut VecDeque<(f64, T)>, now: f64) -> Option<(f64, T)> {
-    if queue.front()?.0 <= now { queue.pop_front() } else { None }
+/// What comes at some time, in the order of the times.
+struct Queue<T> {
+    /// When the first comes; never where there is none.
+    first: f64,
+    items: VecDeque<(f64, T)>,
+}
+
+impl<T> Queue<T> {
+    fn with_capacity(capacity: usize) -> Self {
+        Self { first: f64::INFINITY, items: VecDeque::with_capacity(capacity) }
+    }
+
+    /// Puts `item`, which comes at `at`, behind all that come no later.
+    fn insert(&mut self, at: f64, item: T) {
+        let later = self.items.iter().rev().take_while(|(other, _)| *other > at).count();
+        if later == 0 {
+            self.items.push_back((at, item));
+        } else {
+            self.items.insert(self.items.len() - later, (at, item));
+        }
+        self.first = least(self.first, at);
+    }
+
+    /// Takes out the first of what has come by `now`.
+    fn due(&mut self, now: f64) -> Option<T> {
+        if self.first > now {
+            return None;
+        }
+        let (_, item) = self.items.pop_front()?;
+        self.first = self.items.front().map_or(f64::INFINITY, |(at, _)| *at);
+        Some(item)
+    }
 }
 
 #[cfg(test)]

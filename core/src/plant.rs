@@ -138,9 +138,10 @@ pub struct Plant {
     /// Cells begun so far, and the rest of the current one in s.
     cells: i64,
     cell_left: f64,
-    /// Ratio errors of the current cell in standard deviations, as many as its motion has asked for: turn, drift,
-    /// forward, lateral.
-    errors: ArrayVec<f64, 4>,
+    /// Ratio errors of the current cell in standard deviations: turn, drift, forward, lateral; and how many of them its
+    /// motion has asked for.
+    errors: [f64; 4],
+    asked: usize,
     /// The key of its camera's draws, and poses observed so far.
     camera: u64,
     observed: i64,
@@ -165,7 +166,8 @@ impl Plant {
             floor: Draws::key(seed, Stream::Slip),
             cells: 0,
             cell_left: 0.0,
-            errors: ArrayVec::new(),
+            errors: [0.0; 4],
+            asked: 0,
             camera: Draws::key(seed, Stream::Noise),
             observed: 0,
         })
@@ -225,7 +227,7 @@ impl Plant {
             if self.cell_left <= ROUNDING {
                 self.cells += 1;
                 self.cell_left = CELL;
-                self.errors.clear();
+                self.asked = 0;
             }
             let mut step = least(left, self.cell_left);
             if let Some(&(from, _)) = self.waiting.first() {
@@ -281,11 +283,12 @@ impl Plant {
             let (length, turn) = (twist.linear * duration, twist.angular * duration);
             // A turn in place asks for its own error only.
             let asked = if length == 0.0 { 1 } else { 4 };
-            if self.errors.len() < asked {
+            if self.asked < asked {
                 let mut draws = Draws::at(self.floor, self.cells);
-                self.errors = (0..asked).map(|_| draws.normal()).collect();
+                self.errors[..asked].fill_with(|| draws.normal());
+                self.asked = asked;
             }
-            self.pose = slipped(self.pose, &self.model.slip, length, turn, &self.errors);
+            self.pose = slipped(self.pose, &self.model.slip, length, turn, self.errors);
         }
         self.time += duration;
         self.cell_left -= duration;
@@ -297,13 +300,14 @@ impl Plant {
 /// A ratio error is mean + sd sqrt(window/cell) z, so that over a cell of h = 10 ms the forward error is
 /// l mean + N(0, sd^2 0.1 s l^2/h). Forward and sideways speed and turning rate are constant: the exact arc of both,
 /// whose chord points at half the turn.
-fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: &[f64]) -> Pose {
+fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: [f64; 4]) -> Pose {
     let scale = (SLIP_WINDOW / CELL).sqrt();
     let ratio = |channel: SlipChannel, z: f64| channel.mean() + channel.sd() * scale * z;
-    let turn = turn * (1.0 + ratio(slip.turn, z[0]));
-    let &[_, drift, forward, lateral] = z else {
+    let [around, drift, forward, lateral] = z;
+    let turn = turn * (1.0 + ratio(slip.turn, around));
+    if length == 0.0 {
         return Pose { heading: pose.heading + turn, ..pose };
-    };
+    }
     let turn = turn + length * ratio(slip.drift, drift);
     let forward = length * (1.0 + ratio(slip.forward, forward));
     let lateral = length * ratio(slip.lateral, lateral);
