@@ -336,6 +336,38 @@ mod tests {
         assert!(commands.is_known(&drive, 0.7, 0.8));
     }
 
+    /// Long after the first horizons are forgotten, and with poses taken on the way, walks see what each moment sees.
+    #[test]
+    fn walks_begin_where_the_last_pose_was_taken_however_much_was_sent() {
+        let (mut commands, drive) = (Commands::default(), Drive::default());
+        for sequence in 0..250_u16 {
+            let start = f64::from(sequence) * 2.5 * SLOT;
+            let horizon = commands.begin(u64::from(sequence), start, SLOT, 0.3);
+            let speeds = (0..20).map(|slot| f64::from(sequence) + 0.01 * f64::from(slot));
+            horizon.speeds.extend(speeds.map(|speed| WheelSpeeds { left: speed, right: speed }));
+            if sequence % 3 == 0 {
+                commands.settle(start - 7.0 * SLOT);
+            }
+            // From where the pose was taken, from later, and from before what has settled.
+            for back in [7.0, 3.0, 12.0] {
+                let (mut time, mut wrong) = (start - back * SLOT, 0);
+                commands.walk(
+                    Attribution::Sent,
+                    &drive,
+                    time,
+                    start + 4.0 * SLOT,
+                    |speeds, held| {
+                        let then = time + held / 2.0;
+                        wrong += i32::from(speeds != commands.at(Attribution::Sent, &drive, then));
+                        time += held;
+                    },
+                );
+                assert_eq!(wrong, 0, "horizon {sequence}, {back} slots back");
+                assert!((time - start - 4.0 * SLOT).abs() < 1e-9);
+            }
+        }
+    }
+
     proptest! {
         /// A walk covers its time exactly and sees what looking at each moment sees.
         #[test]
