@@ -1,7 +1,7 @@
 //! A sample with known measurement noise: quadrature over ln sigma^2, then projection onto the conjugate family.
 
 use super::NormalInverseChiSquared;
-use crate::geometry::elementary::{exp, ln};
+use crate::geometry::elementary::{exp, ln, most};
 
 /// Below this share of the prior scale s/r noise in units of sigma^2 changes nothing that a sample can tell.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
@@ -126,11 +126,11 @@ impl Integrand {
                 exponent[index] = -0.5 * self.deviation * inverse
                     - self.r / 2.0 * above_tangent(t, precision[index]);
             }
-            let most = largest(&exponent);
+            let highest = largest(&exponent);
             // Against the largest precision, that of the first node, so that its square does not run over.
             let (mut squared, finest) = ([0.0; N], 1.0 / precision[0]);
             for index in 0..N {
-                weight[index] = factor[index] * exp(exponent[index] - most);
+                weight[index] = factor[index] * exp(exponent[index] - highest);
                 let relative = precision[index] * finest;
                 squared[index] = weight[index] * (relative * relative);
             }
@@ -182,14 +182,13 @@ fn powers<const N: usize>(first: f64, ratio: f64) -> [f64; N] {
 
 /// The largest of `values`, which are numbers.
 fn largest<const N: usize>(values: &[f64; N]) -> f64 {
-    let larger = |one: f64, other: f64| if other > one { other } else { one };
     let mut lanes = [f64::NEG_INFINITY; LANES];
     for chunk in values.chunks_exact(LANES) {
         for (lane, value) in lanes.iter_mut().zip(chunk) {
-            *lane = larger(*lane, *value);
+            *lane = most(*lane, *value);
         }
     }
-    lanes.into_iter().fold(f64::NEG_INFINITY, larger)
+    lanes.into_iter().fold(f64::NEG_INFINITY, most)
 }
 
 /// The sums of `terms` over all nodes.
@@ -237,10 +236,12 @@ pub(super) fn update(
     let integrand = Integrand { r, noise, deviation, peak };
     let is_outlier = deviation > OUTLIER * (1.0 + noise);
     let noise_per_scale = m * noise_variance * (r / s);
-    let sums = match () {
-        () if is_outlier => integrand.sums::<{ NODES[2] }>(k, m, noise_per_scale),
-        () if r < SAYS_MUCH => integrand.sums::<{ NODES[1] }>(k, m, noise_per_scale),
-        () => integrand.sums::<{ NODES[0] }>(k, m, noise_per_scale),
+    let sums = if is_outlier {
+        integrand.sums::<{ NODES[2] }>(k, m, noise_per_scale)
+    } else if r < SAYS_MUCH {
+        integrand.sums::<{ NODES[1] }>(k, m, noise_per_scale)
+    } else {
+        integrand.sums::<{ NODES[0] }>(k, m, noise_per_scale)
     };
     let Sums { total, total_w, gained, shift, spread } = sums;
     let w = total_w / total;

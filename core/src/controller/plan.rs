@@ -121,7 +121,8 @@ pub struct Start {
 /// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
 pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;
 
-/// Rolls the task forward from the pose predicted at the start: wheel speeds per slot into `speeds`, the phases that they lead through into `phases`.
+/// Rolls the task forward from the pose predicted at the start: wheel speeds per slot into `speeds`, the phases that they
+/// lead through into `phases`.
 /// Both are large and stay in place: a plan is made in every slot.
 pub fn plan(
     settings: &Settings,

@@ -77,7 +77,7 @@ impl LinkBelief {
             .zip(self.late_arrival)
             .is_some_and(|(arrival, late)| (arrival - late).abs() < SAME_INSTANT);
         let ln_delay = ln(delay);
-        // Above the median before it is compared with more than it: half need no exponential.
+        // What is not above the median is not late either, and needs no exponential to tell.
         let is_late = !held_back
             && ln_delay > self.ln_delay.mu()
             && delay > self.median() + LATE_SLOTS * SLOT;

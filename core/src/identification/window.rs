@@ -6,7 +6,7 @@ use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Twist};
 use crate::horizon::SLOT;
 use crate::kinematics::{self, Drive};
-use crate::prediction::ERROR_WINDOW;
+use crate::prediction::{ERROR_WINDOW, Motion};
 use serde::{Deserialize, Serialize};
 
 /// Shortest window in slots: the first whole number of 30 ms slots above the thesis's 100 ms.
@@ -29,14 +29,9 @@ const STANDSTILL: f64 = 0.1;
 pub struct Window {
     /// The pose at its beginning.
     pub start: Observation,
+    /// Where it leads, and what it is made of.
     nominal: Displacement,
-    duration: f64,
-    /// Arc length in m and turn in rad, signed.
-    length: f64,
-    turn: f64,
-    /// Integrals of v^2 and omega^2 over time.
-    length_power: f64,
-    turn_power: f64,
+    motion: Motion,
     /// Slowest and fastest speeds, component by component; none in an empty window.
     range: Option<(Twist, Twist)>,
 }
@@ -75,31 +70,15 @@ pub enum Verdict {
 impl Window {
     /// A window that begins at an accepted pose.
     pub fn new(start: Observation) -> Self {
-        Self {
-            start,
-            nominal: Displacement::default(),
-            duration: 0.0,
-            length: 0.0,
-            turn: 0.0,
-            length_power: 0.0,
-            turn_power: 0.0,
-            range: None,
-        }
+        Self { start, nominal: Displacement::default(), motion: Motion::NONE, range: None }
     }
 
     /// Adds a piece of commanded motion: the mean twist over `duration` s. Returns where it leads.
     pub fn add(&mut self, twist: Twist, duration: f64) -> Displacement {
-        let mut piece = Displacement::default();
-        self.duration += duration;
-        if twist != Twist::ZERO {
-            let (length, turn) = (twist.linear * duration, twist.angular * duration);
-            piece = kinematics::arc(length, turn);
-            self.nominal = self.nominal.then(piece);
-            self.length += length;
-            self.turn += turn;
-            self.length_power += twist.linear * length;
-            self.turn_power += twist.angular * turn;
-        }
+        let motion = Motion::new(twist, duration);
+        let piece = kinematics::arc(motion.length, motion.turn);
+        self.nominal = self.nominal.then(piece);
+        self.motion = self.motion.then(motion);
         let (slowest, fastest) = self.range.unwrap_or((twist, twist));
         let range = |pick: fn(f64, f64) -> f64, so_far: Twist| {
             Twist::new(pick(so_far.linear, twist.linear), pick(so_far.angular, twist.angular))
@@ -126,11 +105,11 @@ impl Window {
         if !drives && !turns {
             return Verdict::Rejected;
         }
-        let slots = self.duration / SLOT + 0.5;
+        let slots = self.motion.duration / SLOT + 0.5;
         let small =
             |motion: f64, noise: f64| motion.abs() * NOISE_SHARE < std::f64::consts::SQRT_2 * noise;
-        let too_small = (drives && small(self.length, noise.position))
-            || (turns && !drives && small(self.turn, noise.heading));
+        let too_small = (drives && small(self.motion.length, noise.position))
+            || (turns && !drives && small(self.motion.turn, noise.heading));
         if slots < WINDOW_SLOTS || (too_small && slots < MAX_WINDOW_SLOTS) {
             return Verdict::Open;
         }
@@ -138,9 +117,10 @@ impl Window {
     }
 
     fn samples(&self, noise: PoseNoise, end: &Observation, drives: bool, turns: bool) -> Samples {
+        let Motion { length, turn, duration, length_power, turn_power } = self.motion;
         let measured = end.pose.relative_to(self.start.pose);
         // The error along and across the direction of motion: that of the chord, at half the turn.
-        let (sin, cos) = sin_cos(self.turn / 2.0);
+        let (sin, cos) = sin_cos(turn / 2.0);
         let ahead = measured.forward - self.nominal.forward;
         let aside = measured.lateral - self.nominal.lateral;
         let along = cos * ahead + sin * aside;
@@ -154,16 +134,15 @@ impl Window {
             pose_variance,
             other_variance,
         };
-        let by_length = |error, pose, other| {
-            drives.then(|| sample(error, self.length, self.length_power, pose, other))
-        };
+        let by_length =
+            |error, pose, other| drives.then(|| sample(error, length, length_power, pose, other));
         // Rotation informs the turn only; a turn while driving would mix turn and drift.
-        let straight = !turns && self.turn.abs() < kinematics::STRAIGHT_BELOW * self.duration;
+        let straight = !turns && turn.abs() < kinematics::STRAIGHT_BELOW * duration;
         [
             by_length(along, position, 0.0),
             // The starting heading's noise points the whole nominal motion aside.
             by_length(across, position, heading),
-            turns.then(|| sample(around, self.turn, self.turn_power, heading, 0.0)),
+            turns.then(|| sample(around, turn, turn_power, heading, 0.0)),
             if straight { by_length(around, heading, 0.0) } else { None },
         ]
     }

@@ -80,13 +80,13 @@ impl ErrorModel {
 }
 
 /// A commanded motion over some time, at one speed or several.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Signed arc length in m.
     pub length: f64,
     /// Turn in rad.
     pub turn: f64,
-    /// Duration in s, positive.
+    /// Duration in s.
     pub duration: f64,
     /// int v^2 dt in m^2/s: what errors white in time grow with.
     pub length_power: f64,
@@ -95,6 +95,10 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// None yet: what others are added to.
+    pub const NONE: Self =
+        Self { length: 0.0, turn: 0.0, duration: 0.0, length_power: 0.0, turn_power: 0.0 };
+
     /// The motion of holding `twist` for `duration` s.
     pub fn new(twist: Twist, duration: f64) -> Self {
         let (length, turn) = (twist.linear * duration, twist.angular * duration);

@@ -55,10 +55,10 @@ impl Agents {
 
     /// Moves every agent by one commanded motion with errors of its own.
     pub fn advance(&mut self, motion: Motion) {
-        let Motion { length, turn, duration, .. } = motion;
-        if length == 0.0 && turn == 0.0 {
+        if !motion.is_motion() {
             return;
         }
+        let Motion { length, turn, duration, .. } = motion;
         let share = (ERROR_WINDOW / duration).sqrt();
         for agent in &mut self.agents {
             let [forward, lateral, around, drift] =

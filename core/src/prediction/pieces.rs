@@ -21,12 +21,9 @@ pub struct Pieces {
 }
 
 impl Pieces {
-    const NOTHING: Motion =
-        Motion { length: 0.0, turn: 0.0, duration: 0.0, length_power: 0.0, turn_power: 0.0 };
-
     /// None yet; those that are alike go in as one.
     pub fn gathered() -> Self {
-        Self { longest: LONGEST, first: Twist::ZERO, gathered: Self::NOTHING }
+        Self { longest: LONGEST, first: Twist::ZERO, gathered: Motion::NONE }
     }
 
     /// None yet; each goes in by itself.
