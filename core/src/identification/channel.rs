@@ -2,7 +2,7 @@
 
 use super::estimate::{Channel, ChannelEstimate, LEVEL};
 use super::window::Sample;
-use crate::conjugate::{NormalInverseChiSquared, SampleStatistics};
+use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
 use serde::{Deserialize, Serialize};
 
@@ -71,14 +71,8 @@ impl ChannelBelief {
     /// Kalman filter carries what the last window says about that noise, so each sample enters by its likelihood
     /// given the ones before: x' ~ N(mu, sigma^2/m + (P + p^2)/l^2).
     pub fn update(&mut self, sample: &Sample, start: f64, end: f64) {
-        let pose_variance = sample.pose_variance;
-        let shared = match self.shared {
-            Some(shared) if (shared.taken - start).abs() < 1e-6 => shared,
-            _ => SharedNoise { taken: start, mean: 0.0, variance: pose_variance },
-        };
-        let motion = sample.motion;
-        let ratio = sample.ratio + shared.mean / motion;
-        let noise = (shared.variance + pose_variance) / (motion * motion) + sample.other_variance;
+        let (pose_variance, motion) = (sample.pose_variance, sample.motion);
+        let (ratio, noise) = self.corrected(sample, start);
 
         let posterior = self.posterior;
         let sigma_squared = posterior.s() / posterior.r();
@@ -94,6 +88,33 @@ impl ChannelBelief {
             variance: pose_variance - gain * pose_variance / motion,
         });
         self.posterior = posterior.update_noisy(ratio, sample.weight, noise);
+    }
+
+    /// The ratio of a sample from `start` s on and the variance that the camera adds to it, by what is known of the noise
+    /// of the pose that it shares with the sample before.
+    fn corrected(&self, sample: &Sample, start: f64) -> (f64, f64) {
+        let Sample { motion, pose_variance, .. } = *sample;
+        let shared = match self.shared {
+            Some(shared) if (shared.taken - start).abs() < 1e-6 => shared,
+            _ => SharedNoise { taken: start, mean: 0.0, variance: pose_variance },
+        };
+        let noise = (shared.variance + pose_variance) / (motion * motion) + sample.other_variance;
+        (sample.ratio + shared.mean / motion, noise)
+    }
+
+    /// Whether a sample from `start` s on, not yet taken in, lies within the interval that is to hold it with
+    /// probability [`LEVEL`] where predictions assume `model`.
+    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: f64) -> bool {
+        let (ratio, noise) = self.corrected(sample, start);
+        let half = match model.posterior {
+            Some(posterior) => {
+                let per_sample = 1.0 / sample.weight + 1.0 / posterior.k();
+                let scale = (posterior.s() / posterior.r() * per_sample + noise).sqrt();
+                student_t_half_width(posterior.r(), LEVEL) * scale
+            }
+            None => NORMAL_HALF_WIDTH * (model.variance / sample.weight + noise).sqrt(),
+        };
+        (ratio - model.mean).abs() <= half
     }
 
     /// Samples taken so far.
@@ -146,10 +167,12 @@ impl ChannelBelief {
     }
 }
 
-/// The central 90 % of a normal distribution: mean -+ 1.6449 sd.
+/// Half the width in standard deviations of the central 90 % of a normal distribution.
+const NORMAL_HALF_WIDTH: f64 = 1.644_853_626_951_472_2;
+
+/// The central 90 % of a normal distribution.
 fn normal_interval(mean: f64, sd: f64) -> (f64, f64) {
-    const QUANTILE: f64 = 1.644_853_626_951_472_2;
-    (mean - QUANTILE * sd, mean + QUANTILE * sd)
+    (mean - NORMAL_HALF_WIDTH * sd, mean + NORMAL_HALF_WIDTH * sd)
 }
 
 /// ln density at `x` of a Student t with the posterior's centre and degrees of freedom and the given scale^2.
