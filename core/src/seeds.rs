@@ -28,6 +28,8 @@ pub(crate) enum Purpose {
     Compare = 8,
     /// What is drawn again from them for intervals.
     Resample = 9,
+    /// Robots with whom beliefs are checked.
+    Calibrate = 10,
 }
 
 /// The seed for `purpose` at `place`, which are at most a few small numbers such as generation and trial.

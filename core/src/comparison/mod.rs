@@ -23,6 +23,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod beliefs;
 mod bootstrap;
 mod contender;
 mod report;

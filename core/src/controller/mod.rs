@@ -28,7 +28,7 @@ use settings::{Attribution, PredictorKind, Settings};
 use task::{Progress, Stage, Task};
 
 /// Version of the stored state; a state of another version is not taken up.
-pub const STATE_VERSION: u32 = 2;
+pub const STATE_VERSION: u32 = 3;
 
 /// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
 pub const BELIEVED_AGAIN: u32 = 5;
