@@ -24,6 +24,7 @@
 mod answer;
 mod app;
 mod catalogue;
+mod comparison;
 mod condition;
 mod config;
 mod connection;
