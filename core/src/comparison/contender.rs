@@ -118,8 +118,8 @@ impl Contender {
         format!("{}/{}", self.name, self.slots)
     }
 
-    /// What its controller is told.
-    fn settings(&self, told: &Settings) -> Settings {
+    /// What its controller is told, where all are told `told`.
+    pub fn settings(&self, told: &Settings) -> Settings {
         let settings = Settings { slots: self.slots, prior: self.prior, ..*told };
         // Peers neither identify nor slow down for what they do not know.
         let heedless = VarianceLimits { position: f64::INFINITY, heading: f64::INFINITY };
