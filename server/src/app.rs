@@ -1,14 +1,15 @@
 //! What every route can reach.
 
 use crate::config::Config;
-use crate::evolution::Evolutions;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
+use crate::jobs::Jobs;
 use crate::priors::Priors;
 use crate::store::Keeper;
 use crate::training::Environments;
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
+use umwelt_core::evolution::Evolution;
 
 /// What every route can reach; cheap to clone.
 #[derive(Clone)]
@@ -19,7 +20,7 @@ pub(crate) struct App {
     pub(crate) feed: Feed,
     pub(crate) priors: Priors,
     pub(crate) environments: Environments,
-    pub(crate) evolutions: Evolutions,
+    pub(crate) evolutions: Jobs<Evolution>,
     /// One permit per event stream.
     pub(crate) streams: Arc<Semaphore>,
     /// Set when event streams are to end, since they would outlast any shutdown.
@@ -34,7 +35,7 @@ pub(crate) struct Parts {
     pub(crate) feed: Feed,
     pub(crate) priors: Priors,
     pub(crate) environments: Environments,
-    pub(crate) evolutions: Evolutions,
+    pub(crate) evolutions: Jobs<Evolution>,
 }
 
 impl App {

@@ -1,6 +1,6 @@
 //! What can be set about a server.
 
-use crate::evolution::Priority;
+use crate::jobs::Priority;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;

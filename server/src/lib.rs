@@ -35,6 +35,7 @@ mod failure;
 mod feed;
 mod figures;
 mod fleet;
+mod jobs;
 mod priors;
 mod robot;
 mod router;
@@ -44,6 +45,7 @@ pub mod store;
 mod training;
 
 pub use config::Config;
-pub use evolution::{Priority, offline};
+pub use evolution::offline;
+pub use jobs::Priority;
 pub use serve::Server;
 pub use store::Store;

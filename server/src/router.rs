@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::deadline;
 use crate::failure::{self, Failure};
 use crate::routes::{
-    control, environment, environments, events, evolutions, priors, robots, server, tasks,
+    control, environment, environments, events, evolutions, jobs, priors, robots, server, tasks,
 };
 use axum::Router;
 use axum::extract::Request;
@@ -16,6 +16,7 @@ use std::any::Any;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::trace::TraceLayer;
 use umwelt_api::problem::{Detail, Status, reason};
+use umwelt_core::evolution::Evolution;
 
 /// The routes of `app`.
 pub(crate) fn router(app: App) -> Router {
@@ -44,11 +45,14 @@ pub(crate) fn router(app: App) -> Router {
             put(environments::put).get(environments::get).delete(environments::delete),
         )
         // Evolutions: priors searched for in the background
-        .route("/v1/evolutions", post(evolutions::submit).get(evolutions::list))
-        .route("/v1/evolutions/{evolution}", get(evolutions::get).delete(evolutions::delete))
-        .route("/v1/evolutions/{evolution}/cancel", post(evolutions::cancel))
+        .route("/v1/evolutions", post(evolutions::submit).get(jobs::list::<Evolution>))
+        .route(
+            "/v1/evolutions/{evolution}",
+            get(jobs::get::<Evolution>).delete(jobs::delete::<Evolution>),
+        )
+        .route("/v1/evolutions/{evolution}/cancel", post(jobs::cancel::<Evolution>))
         .route("/v1/evolutions/{evolution}/generations", get(evolutions::generations))
-        .route("/v1/evolutions/{evolution}/events", get(evolutions::events))
+        .route("/v1/evolutions/{evolution}/events", get(jobs::events::<Evolution>))
         .route("/v1/evolutions/{evolution}/figures/{figure}", get(evolutions::figure))
         // What happens
         .route("/v1/robots/{robot}/events", get(events::of_robot))

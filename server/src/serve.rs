@@ -3,10 +3,10 @@
 use crate::app::{App, Parts};
 use crate::config::Config;
 use crate::connection;
-use crate::evolution::{Evolutions, Pool};
 use crate::failure;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
+use crate::jobs::{Jobs, Limits, Pool};
 use crate::priors::Priors;
 use crate::robot::Common;
 use crate::router::router;
@@ -69,12 +69,12 @@ impl Server {
         })?;
         let address = listener.local_addr()?;
         let feed = Feed::new();
-        let pool = Pool::new(config.evolution_threads, config.evolution_priority)?;
+        let pool = Arc::new(Pool::new(config.evolution_threads, config.evolution_priority)?);
         let priors = Priors::open(contents.priors.clone());
         let environments = Environments::open(&contents.environments);
-        let limits = (config.max_queued_evolutions, config.keep_evolutions);
+        let limits = Limits { queued: config.max_queued_evolutions, kept: config.keep_evolutions };
         let evolutions =
-            Evolutions::open(limits, pool, keeper.clone(), priors.clone(), &contents).await?;
+            Jobs::open(limits, pool, keeper.clone(), priors.clone(), &contents).await?;
         let lost_after = config.lost_after;
         let common = Common { lost_after, feed: feed.clone(), priors: priors.clone() };
         let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots);

@@ -11,7 +11,7 @@ mod text;
 
 pub use outcome::Outcome;
 
-use super::run::{Meter, Pool, Priority};
+use crate::jobs::{Meter, Pool, Priority};
 use progress::Progress;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -87,7 +87,8 @@ fn run(mut evolution: Evolution, pool: &Pool) -> Result<(Evolution, Vec<Generati
     progress.follow(&meter, || -> Result<(), Error> {
         while evolution.report().is_none() {
             let ended = pool.step(&mut evolution, &meter);
-            generations.extend(ended.map_err(|halt| Error::BrokenOff(halt.to_string()))?);
+            let told = ended.map_err(|halt| Error::BrokenOff(halt.to_string()))?;
+            generations.extend(told.parts.into_iter().map(|(_, generation)| generation));
             progress.say(&evolution, generations.last());
         }
         Ok(())

@@ -5,6 +5,7 @@ pub(crate) mod environment;
 pub(crate) mod environments;
 pub(crate) mod events;
 pub(crate) mod evolutions;
+pub(crate) mod jobs;
 pub(crate) mod page;
 pub(crate) mod priors;
 pub(crate) mod robots;

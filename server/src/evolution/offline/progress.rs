@@ -1,6 +1,6 @@
 //! How far an evolution has got, on standard error: a bar on a terminal, a line now and then elsewhere.
 
-use crate::evolution::run::Meter;
+use crate::jobs::{Meter, remaining};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -93,7 +93,7 @@ impl Progress {
         let Shown { stage, total } =
             self.shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let elapsed = self.begin.elapsed().as_secs_f64();
-        let left = super::super::remaining(elapsed, episodes, total);
+        let left = remaining(elapsed, episodes, total);
         let left = left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
         // Nobody may read it; the evolution goes on.
         let _ = writeln!(
