@@ -16,7 +16,6 @@ use thread_priority::{
     NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy,
     set_thread_priority_and_policy, thread_native_id,
 };
-use tokio::sync::Mutex;
 
 /// How threads stand beside the others of the system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,17 +28,13 @@ pub enum Priority {
 }
 
 /// Episodes per thread that a job drives before another one has its turn: some tenths of a second, so that neither
-/// waits long for the other, and the threads seldom wait for the slowest of them.
+/// waits long for the other, and the threads seldom wait for the slowest of them. A whole batch would not do: a thread
+/// that waits for the last episodes of one job begins another job's, and ends that first.
 const TURN: usize = 64;
 
 /// Threads that drive episodes.
 #[derive(Debug)]
-pub(crate) struct Pool {
-    threads: rayon::ThreadPool,
-    /// Held by whoever uses the threads; a fair lock, so that jobs take turns. Without it a thread that has nothing
-    /// left to do of one batch would begin another job's, and the first would not end before that does.
-    turn: Mutex<()>,
-}
+pub(crate) struct Pool(rayon::ThreadPool);
 
 /// How far a batch has got, and whether it is to go on: shared between who evaluates and who watches.
 #[derive(Debug, Default)]
@@ -94,18 +89,17 @@ impl Pool {
             })
             .build()
             .map_err(|error| io::Error::other(format!("no threads for episodes: {error}")))?;
-        Ok(Self { threads, turn: Mutex::new(()) })
+        Ok(Self(threads))
     }
 
-    /// Does `work` on a thread of the pool, and so at its priority, when its turn has come. Blocks until it is done.
+    /// Does `work` on a thread of the pool, and so at its priority. Blocks until it is done.
     pub(super) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        let _turn = self.turn.blocking_lock();
-        self.threads.install(work)
+        self.0.install(work)
     }
 
     /// How many threads there are.
     pub(crate) fn threads(&self) -> usize {
-        self.threads.current_num_threads()
+        self.0.current_num_threads()
     }
 
     /// Drives what `work` asks for now and tells it. Blocks until that is done.
@@ -216,11 +210,12 @@ mod tests {
     /// The bug to fear: a panic that takes the process with it, or a batch that goes on for hours behind it.
     #[test]
     fn a_panic_ends_its_batch_and_nothing_else() {
-        let wishes = Wishes { episodes: 100, micros: 1000, ..Wishes::default() };
+        let wishes = Wishes { episodes: 1000, micros: 100, ..Wishes::default() };
         let (pool, meter) = (pool(2), Meter::default());
         let halt = pool.step(&mut toy(Wishes { panics: true, ..wishes }), &meter).unwrap_err();
         assert_eq!(halt.to_string(), "an evaluation failed: no floor under the robot");
-        assert!(meter.episodes() < 25, "{} of 100 were driven", meter.episodes());
+        // Saying what happened takes longer than many episodes, but no other turn begins.
+        assert!(meter.episodes() < 2 * TURN as u64, "{} were driven", meter.episodes());
         assert!(pool.step(&mut toy(wishes), &meter).is_ok());
     }
 
@@ -229,12 +224,13 @@ mod tests {
     #[test]
     fn jobs_share_the_threads_and_none_waits_for_the_batch_of_another() {
         let pool = Arc::new(pool(2));
-        // Far longer than this test may take.
-        let endless = Wishes { episodes: 10_000_000, micros: 100, ..Wishes::default() };
+        // Ten seconds of both threads.
+        const MANY: u64 = 200_000;
+        let many = Wishes { episodes: MANY as usize, micros: 100, ..Wishes::default() };
         let meter = Arc::new(Meter::default());
         let long = thread::spawn({
             let (pool, meter) = (Arc::clone(&pool), Arc::clone(&meter));
-            move || pool.step(&mut toy(endless), &meter)
+            move || pool.step(&mut toy(many), &meter)
         });
         while meter.episodes() == 0 {
             thread::yield_now();
@@ -243,7 +239,7 @@ mod tests {
         while short.report().is_none() {
             pool.step(&mut short, &Meter::default()).unwrap();
         }
-        assert!(meter.episodes() < 10_000_000);
+        assert!(meter.episodes() < MANY / 2, "{} were driven meanwhile", meter.episodes());
         meter.stop();
         assert_eq!(long.join().unwrap(), Err(Halt::Stopped));
     }
@@ -256,7 +252,7 @@ mod tests {
         let policy = |priority| {
             let pool = Pool::new(Some(1), priority).unwrap();
             let (sender, receiver) = mpsc::channel();
-            pool.threads.install(move || {
+            pool.0.install(move || {
                 sender.send(std::fs::read_to_string("/proc/thread-self/stat").unwrap()).unwrap();
             });
             let stat = receiver.recv().unwrap();
