@@ -29,6 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 link: LinkModel::preset(name).ok_or("no such link")?,
                 task: Task::thesis(),
                 start: Pose::default(),
+                region: None,
                 time_limit: TIME_LIMIT,
             };
             let (mut times, mut deviations, mut arrived) = (Vec::new(), Vec::new(), 0);

@@ -4,6 +4,7 @@
 //! over HTTP must agree.
 
 use crate::actuation::Actuation;
+use crate::controller::compensation::Compensation;
 use crate::controller::settings::Settings;
 use crate::controller::task::{Stage, Task};
 use crate::controller::{Controller, Events};
@@ -12,7 +13,7 @@ use crate::geometry::elementary::{least, most};
 use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::link::{Link, LinkError, LinkModel};
-use crate::plant::{Plant, PlantError, PlantModel};
+use crate::plant::{Plant, PlantError, PlantModel, Slip};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -35,8 +36,30 @@ pub struct Scenario {
     pub task: Task,
     /// Where it stands.
     pub start: Pose,
+    /// A part of the room where floor or link are different.
+    pub region: Option<Region>,
     /// Simulated time in s after which the episode ends whatever the robot does.
     pub time_limit: f64,
+}
+
+/// A part of the room where floor or link are different, from wall to wall: a patch of film, a corner without reception.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Region {
+    /// It begins at this world x in m.
+    pub from: f64,
+    /// It ends at this world x in m.
+    pub to: f64,
+    /// The floor there.
+    pub slip: Slip,
+    /// The link there.
+    pub link: LinkModel,
+}
+
+impl Region {
+    /// Whether a robot at `pose` is in it.
+    pub fn holds(&self, pose: Pose) -> bool {
+        (self.from..self.to).contains(&pose.x)
+    }
 }
 
 /// Why an episode cannot run.
@@ -107,11 +130,24 @@ impl Scenario {
         seed: u64,
         mut show: impl FnMut(&TraceRow),
     ) -> Result<(Outcome, Controller), EpisodeError> {
-        let mut world = World::new(self, seed)?;
+        self.drive(Controller::new(self.settings), seed, |row, _| show(row))
+    }
+
+    /// [`Scenario::run_with`] for any controller, which has its own settings: it is shown with each row.
+    ///
+    /// # Errors
+    /// Where link or plant mean nothing.
+    pub fn drive<C: Compensation>(
+        &self,
+        controller: Controller<C>,
+        seed: u64,
+        mut show: impl FnMut(&TraceRow, &Controller<C>),
+    ) -> Result<(Outcome, Controller<C>), EpisodeError> {
+        let mut world = World::new(self, controller, seed)?;
         while world.now < self.time_limit && !world.server.controller.has_arrived() {
             world.next();
             if world.moved == world.now {
-                show(&world.row());
+                show(&world.row(), &world.server.controller);
             }
         }
         let Server { controller, max_deviation, .. } = world.server;
@@ -126,7 +162,10 @@ impl Scenario {
 }
 
 /// Robot, link and server of one episode, at one moment.
-struct World {
+struct World<'a, C> {
+    scenario: &'a Scenario,
+    /// Whether the robot is in the region.
+    is_inside: bool,
     now: f64,
     frames: u64,
     /// As it was at `moved`: it is moved on where a pose is taken or its command changes.
@@ -135,7 +174,7 @@ struct World {
     link: Link,
     exchange: Exchange,
     actuation: Actuation,
-    server: Server,
+    server: Server<C>,
     applied: WheelSpeeds,
     /// Poses on their way from the camera.
     seen: Queue<Observation>,
@@ -145,8 +184,8 @@ struct World {
 }
 
 /// The server, and what it cannot know: how far from its path the robot really is.
-struct Server {
-    controller: Controller,
+struct Server<C> {
+    controller: Controller<C>,
     newest_request: u64,
     /// True positions that the controller has not seen yet: which leg they belong to is not known before.
     travelled: Queue<Point>,
@@ -162,18 +201,26 @@ struct Packets<T> {
     free: Vec<usize>,
 }
 
-impl World {
-    fn new(scenario: &Scenario, seed: u64) -> Result<Self, EpisodeError> {
-        let mut controller = Controller::new(scenario.settings);
+impl<'a, C: Compensation> World<'a, C> {
+    fn new(
+        scenario: &'a Scenario,
+        mut controller: Controller<C>,
+        seed: u64,
+    ) -> Result<Self, EpisodeError> {
         controller.set_task(scenario.task.clone());
-        Ok(Self {
+        if let Some(region) = &scenario.region {
+            region.link.validate()?;
+        }
+        let mut world = Self {
+            scenario,
+            is_inside: false,
             now: 0.0,
             frames: 0,
             moved: 0.0,
             plant: Plant::new(scenario.plant, scenario.start, seed)?,
             link: Link::new(scenario.link.clone(), seed)?,
             exchange: Exchange::new(0.0),
-            actuation: Actuation::new(scenario.settings.drive, 0.0),
+            actuation: Actuation::new(controller.settings().drive, 0.0),
             server: Server {
                 controller,
                 newest_request: 0,
@@ -185,7 +232,23 @@ impl World {
             seen: Queue::with_capacity(ON_THEIR_WAY),
             upward: Packets::new(Request::EMPTY),
             downward: Packets::new(Horizon::EMPTY),
-        })
+        };
+        world.enter_region();
+        Ok(world)
+    }
+
+    /// Changes floor and link where the robot has come into the region or out of it.
+    fn enter_region(&mut self) {
+        let Scenario { region: Some(region), plant, link, .. } = self.scenario else { return };
+        let is_inside = region.holds(self.plant.pose());
+        if is_inside != self.is_inside {
+            self.is_inside = is_inside;
+            let (slip, link) =
+                if is_inside { (region.slip, &region.link) } else { (plant.slip, link) };
+            self.plant.set_slip(slip);
+            // Both were checked before the first packet.
+            let _ = self.link.set_model(link.clone());
+        }
     }
 
     /// Goes on to the next moment at which something happens, and lets it happen.
@@ -238,6 +301,7 @@ impl World {
             self.plant.advance(self.applied, self.now - self.moved);
             self.moved = self.now;
             self.server.travelled.insert(self.now, self.plant.pose().point());
+            self.enter_region();
         }
     }
 
@@ -254,7 +318,7 @@ impl World {
     }
 }
 
-impl Server {
+impl<C: Compensation> Server<C> {
     /// A step, or a late one that only teaches; either way the newest horizon is the answer.
     fn serve(&mut self, request: &Request) -> Option<&Horizon> {
         if request.sequence > self.newest_request {

@@ -10,6 +10,7 @@
 
 pub mod actuation;
 pub mod commands;
+pub mod comparison;
 pub mod conjugate;
 pub mod controller;
 mod draws;
@@ -21,6 +22,8 @@ pub mod horizon;
 pub mod identification;
 pub mod kinematics;
 pub mod link;
+pub mod peers;
 pub mod plant;
 pub mod prediction;
+mod seeds;
 pub mod steering;

@@ -18,6 +18,7 @@ fn allocations(link: &str, slots: usize, time_limit: f64) -> u64 {
         link: LinkModel::preset(link).expect("a preset"),
         task: far,
         start: Pose::default(),
+        region: None,
         time_limit,
     };
     let mut end = 0.0;

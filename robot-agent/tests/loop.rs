@@ -30,6 +30,7 @@ fn scenario(link: LinkModel) -> Scenario {
         link,
         task: Task { calibration: None, ..Task::thesis() },
         start: Pose::default(),
+        region: None,
         time_limit: 120.0,
     }
 }

@@ -20,6 +20,7 @@ pub fn scenario(link: &str, slots: usize, predictor: PredictorKind) -> Scenario 
         link: LinkModel::preset(link).expect("a preset"),
         task: Task::thesis(),
         start: Pose::default(),
+        region: None,
         time_limit: TIME_LIMIT,
     }
 }

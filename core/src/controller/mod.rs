@@ -3,6 +3,7 @@
 //! [`Controller::step`] is the whole of it: a pure transition from state and request to state and horizon. The
 //! state can be stored and restored; the same state and requests give the same horizons.
 
+pub mod compensation;
 mod plan;
 mod record;
 mod saved;
@@ -18,6 +19,7 @@ use crate::identification::{Belief, Verdict, Window};
 use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use arrayvec::ArrayVec;
+use compensation::{Compensation, Identified};
 use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
 pub use saved::Saved;
@@ -26,13 +28,10 @@ use settings::{Attribution, PredictorKind, Settings};
 use task::{Progress, Stage, Task};
 
 /// Version of the stored state; a state of another version is not taken up.
-pub const STATE_VERSION: u32 = 2;
+pub const STATE_VERSION: u32 = 3;
 
 /// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
 pub const BELIEVED_AGAIN: u32 = 5;
-
-/// Longest time in s that a pose is predicted ahead; beyond it the robot rests until a fresh pose comes.
-const MAX_AHEAD: f64 = 2.0;
 
 /// A pose at most this old in s, beyond the loop delay, is fresh.
 const FRESH: f64 = 0.15;
@@ -102,11 +101,15 @@ struct Doubt {
     count: u32,
 }
 
-/// The controller of one robot.
+/// The controller of one robot. Which decisions it takes otherwise than by what it has identified is its
+/// [compensation](Compensation)'s to say.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Controller {
+pub struct Controller<C = Identified> {
     version: u32,
     settings: Settings,
+    /// Its state is not stored: a server's controller has none.
+    #[serde(skip)]
+    compensation: C,
     belief: Belief,
     commands: Commands,
     track: Option<Track>,
@@ -122,8 +125,16 @@ pub struct Controller {
 impl Controller {
     /// A controller that has seen nothing yet.
     pub fn new(settings: Settings) -> Self {
+        Self::with(settings, Identified)
+    }
+}
+
+impl<C: Compensation> Controller<C> {
+    /// A controller that has seen nothing yet and decides by `compensation`.
+    pub fn with(settings: Settings, compensation: C) -> Self {
         Self {
             version: STATE_VERSION,
+            compensation,
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
             commands: Commands::default(),
@@ -163,6 +174,7 @@ impl Controller {
     pub fn late(&mut self, request: &Request) -> Option<Horizon> {
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
+            self.compensation.learn(delivery);
         }
         self.newest().cloned()
     }
@@ -176,6 +188,7 @@ impl Controller {
         self.belief.link.request(request.sequence, request.observations.last());
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
+            self.compensation.learn(delivery);
         }
         if let Some(playing) = request.playing {
             self.commands.report(playing, request.sent);
@@ -213,7 +226,10 @@ impl Controller {
         } else {
             let window = self.close(window, &track, &observation);
             let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
-            self.track = Some(Track { last: observation, wheels, window, interval });
+            let Observation { pose, taken } = observation;
+            let pose = self.compensation.believe(taken, pose, predicted, moved);
+            self.track =
+                Some(Track { last: Observation { pose, taken }, wheels, window, interval });
         }
         self.doubt = None;
         self.commands.settle(observation.taken - self.settings.drive.dead_time);
@@ -271,7 +287,10 @@ impl Controller {
             Verdict::Open => return window,
             Verdict::Rest => {}
             Verdict::Rejected => self.belief.windows_rejected += 1,
-            Verdict::Closed(samples) => self.belief.update(&samples, start, end.taken),
+            Verdict::Closed(samples) => {
+                self.compensation.witness(&self.belief, &samples, start);
+                self.belief.update(&samples, start, end.taken);
+            }
         }
         Window::new(*end)
     }
@@ -306,7 +325,8 @@ impl Controller {
 
     /// Plans the horizon that answers `request`.
     fn command(&mut self, request: &Request) -> &Horizon {
-        let Settings { drive, slot, watchdog, loop_delay, attribution, .. } = self.settings;
+        let Settings { drive, slot, watchdog, attribution, .. } = self.settings;
+        let loop_delay = self.compensation.loop_delay(&self.settings);
         let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
         let soonest = (request.sent + slot).max(newest);
         let Some(track) = self.track else {
@@ -318,7 +338,7 @@ impl Controller {
         let begins = soonest.max(taken + loop_delay);
         let since_change = self.enter_phase(newest, begins);
 
-        let model = self.belief.model();
+        let model = self.compensation.model(&self.belief, track.last.pose);
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
         let before = self.commands.at(attribution, &drive, begins - 1e-6);
         let age = request.sent - taken;
@@ -329,13 +349,14 @@ impl Controller {
             previous: kinematics::forward(&drive, before),
             phase: self.phase,
             fresh: age <= loop_delay + FRESH,
-            stopped: self.stopped || begins - taken > MAX_AHEAD,
+            stopped: self.stopped || begins - taken > self.compensation.patience(&self.settings),
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
         let task = self.task.as_ref();
-        plan::plan(&self.settings, &model, task, start, prediction, speeds, phases);
+        let rules = plan::Rules { settings: &self.settings, compensation: &self.compensation };
+        plan::plan(rules, &model, task, start, prediction, speeds, phases);
         horizon
     }
 
@@ -396,6 +417,8 @@ impl Controller {
         if let Some(motion) = pieces.rest() {
             prediction.advance(model, motion);
         }
+        let taken = track.last.taken;
+        let prediction = self.compensation.predict(&self.settings, taken, pose, start, prediction);
         (prediction, wheels)
     }
 
@@ -493,6 +516,11 @@ impl Controller {
     /// What is believed, for those who measure it.
     pub fn belief(&self) -> &Belief {
         &self.belief
+    }
+
+    /// What it decides by.
+    pub fn compensation(&self) -> &C {
+        &self.compensation
     }
 
     /// The last accepted pose.

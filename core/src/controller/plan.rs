@@ -1,8 +1,9 @@
 //! The plan: the whole task rolled forward on the predicted pose, one slot at a time, transitions included.
 
+use super::compensation::{Compensation, Way};
 use super::settings::Settings;
 use super::task::{Stage, Task};
-use crate::geometry::{Displacement, Pose, Twist, WheelSpeeds, length};
+use crate::geometry::{Displacement, Point, Pose, Twist, WheelSpeeds, length};
 use crate::horizon::MAX_SLOTS;
 use crate::kinematics::{self, Drive};
 use crate::prediction::{ErrorModel, Motion, Prediction};
@@ -118,14 +119,22 @@ pub struct Start {
     pub rest: f64,
 }
 
+/// What a plan keeps to.
+pub struct Rules<'a, C> {
+    /// What the controller was told.
+    pub settings: &'a Settings,
+    /// How it drives.
+    pub compensation: &'a C,
+}
+
 /// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
 pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;
 
 /// Rolls the task forward from the pose predicted at the start: wheel speeds per slot into `speeds`, the phases that they
 /// lead through into `phases`.
 /// Both are large and stay in place: a plan is made in every slot.
-pub fn plan(
-    settings: &Settings,
+pub fn plan<C: Compensation>(
+    rules: Rules<C>,
     model: &ErrorModel,
     task: Option<&Task>,
     start: Start,
@@ -136,7 +145,8 @@ pub fn plan(
     speeds.clear();
     phases.clear();
     let predictions = [prediction.clone(), prediction];
-    let mut roll = Roll { settings, model, task, state: start, predictions, now: 0 };
+    let Rules { settings, compensation } = rules;
+    let mut roll = Roll { settings, compensation, model, task, state: start, predictions, now: 0 };
     for slot in 0..settings.slots.clamp(1, MAX_SLOTS) {
         phases.push(roll.state.phase);
         speeds.push(roll.next(slot));
@@ -162,8 +172,9 @@ struct Slot {
     wheels: WheelSpeeds,
 }
 
-struct Roll<'a> {
+struct Roll<'a, C> {
     settings: &'a Settings,
+    compensation: &'a C,
     model: &'a ErrorModel,
     task: Option<&'a Task>,
     state: Start,
@@ -172,7 +183,7 @@ struct Roll<'a> {
     now: usize,
 }
 
-impl Roll<'_> {
+impl<C: Compensation> Roll<'_, C> {
     /// Decides one slot and goes on by it.
     fn next(&mut self, slot: usize) -> WheelSpeeds {
         let desired = match self.task {
@@ -312,7 +323,8 @@ impl Roll<'_> {
         let ahead = Displacement { forward: length, ..Displacement::default() };
         let target = if outbound { origin.then(ahead) } else { origin };
         if since.is_none()
-            && let Approach::Go(twist) = self.approach(target.point(), !outbound, task.tolerance)
+            && let Approach::Go(twist) =
+                self.approach(None, target.point(), !outbound, task.tolerance)
         {
             return Some(twist);
         }
@@ -385,7 +397,8 @@ impl Roll<'_> {
             let (ahead, _) = self.coasted().toward(task.waypoints[leg]);
             ahead < 0.0
         };
-        match self.approach(task.waypoints[leg], reversing, task.tolerance) {
+        let from = leg.checked_sub(1).map(|before| task.waypoints[before]);
+        match self.approach(from, task.waypoints[leg], reversing, task.tolerance) {
             Approach::Go(twist) => Some(twist),
             Approach::OffHeading => {
                 self.state.phase = Phase::Turning { leg, side: 0 };
@@ -417,10 +430,18 @@ impl Roll<'_> {
         Some(Twist::ZERO)
     }
 
-    /// The way to `target`, forward or in reverse, from the pose to which the robot coasts.
-    fn approach(&self, target: crate::geometry::Point, reverse: bool, tolerance: f64) -> Approach {
+    /// The way to `target`, forward or in reverse, from the pose to which the robot coasts; `from` is where the leg
+    /// begins.
+    fn approach(
+        &self,
+        from: Option<Point>,
+        target: Point,
+        reverse: bool,
+        tolerance: f64,
+    ) -> Approach {
         let (drive, law) = (&self.settings.drive, &self.settings.steering);
-        let (ahead, aside) = self.coasted().toward(target);
+        let pose = self.coasted();
+        let (ahead, aside) = pose.toward(target);
         let distance = length(ahead, aside);
         let onward = if reverse { -ahead } else { ahead };
         let error = heading_error(ahead, aside, reverse).abs();
@@ -435,17 +456,23 @@ impl Roll<'_> {
         if passed || off_heading {
             return Approach::OffHeading;
         }
-        let wanted = steering::curve(ahead, aside, law.alpha);
         let stoppable = steering::stopping_speed(
             distance - law.stop_radius / 2.0,
             drive.max_linear_acceleration,
             self.settings.slot,
         );
+        let (previous, since_change) = (self.state.previous, self.state.since_change);
+        let speed = stoppable.clamp(drive.min_linear, drive.max_linear);
+        let way = Way { pose, previous, from, to: target, reverse, speed, since_change };
+        if let Some(twist) = self.compensation.steer(self.settings, &way) {
+            return Approach::Go(twist);
+        }
+        let wanted = steering::curve(ahead, aside, law.alpha);
         let limited = drive.limited(wanted);
         let speed = limited.linear.abs().min(stoppable).max(drive.min_linear);
         // The curve belongs to the speed that is really reached.
         let forward = Twist::new(speed.copysign(wanted.linear), 0.0);
-        let reached = drive.reach(self.state.previous, forward, self.state.since_change).linear;
+        let reached = drive.reach(previous, forward, since_change).linear;
         let bend = wanted.angular / wanted.linear;
         let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
         Approach::Go(Twist::new(reached, angular))

@@ -15,6 +15,7 @@ fn scenario(link: LinkModel, floor: Slip, slots: usize) -> Scenario {
         link,
         task: Task::thesis(),
         start: Pose::default(),
+        region: None,
         time_limit: TIME_LIMIT,
     }
 }

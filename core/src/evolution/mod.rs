@@ -33,7 +33,6 @@ mod generation;
 mod genetic;
 mod genome;
 mod report;
-mod seeds;
 mod settings;
 
 pub use environment::{
@@ -54,10 +53,10 @@ use crate::episode::Scenario;
 use crate::geometry::Pose;
 use crate::identification::estimate::Channel;
 use crate::plant::PlantModel;
+use crate::seeds::{self, Purpose};
 use cma_es::CmaEs;
 use genome::Genome;
 use report::Driven;
-use seeds::Purpose;
 use serde::{Deserialize, Serialize};
 
 /// Version of the stored state; a state of another version is not taken up.
@@ -310,6 +309,7 @@ impl Evolution {
             link: environment.link.clone(),
             task: task.clone(),
             start: Pose::default(),
+            region: None,
             time_limit: limits.time + CALIBRATION_TIME,
         };
         let Ok((outcome, controller)) = scenario.run_with(job.seed, |_| {}) else {

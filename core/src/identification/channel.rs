@@ -2,7 +2,7 @@
 
 use super::estimate::{Channel, ChannelEstimate, LEVEL};
 use super::window::Sample;
-use crate::conjugate::{NormalInverseChiSquared, SampleStatistics};
+use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,21 @@ struct SharedNoise {
     /// Expected noise of that pose along this channel.
     mean: f64,
     variance: f64,
+    /// Its covariance with the mean ratio: where that is larger than believed, the pose was less far ahead.
+    covariance: f64,
+}
+
+/// A sample as an observation of the mean ratio alone, by what is known of the pose that it begins with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Corrected {
+    /// Sample minus what is expected, in units of the ratio.
+    innovation: f64,
+    /// How much the innovation grows with the mean ratio; 1 where pose and mean have nothing to do with each other.
+    response: f64,
+    /// What the camera adds to the variance of the innovation, the mean being known.
+    noise: f64,
+    /// The same where nothing is known of the mean but by the samples.
+    whole_noise: f64,
 }
 
 /// Weighted mean and spread of the samples alone (Welford), and the correlation of neighbours.
@@ -67,33 +82,72 @@ impl ChannelBelief {
 
     /// Takes in the sample of a window from `start` to `end`, both robot times in s.
     ///
-    /// Consecutive windows share a pose, whose noise enters them with opposite signs (correlation -1/2). A scalar
-    /// Kalman filter carries what the last window says about that noise, so each sample enters by its likelihood
-    /// given the ones before: x' ~ N(mu, sigma^2/m + (P + p^2)/l^2).
+    /// Consecutive windows share a pose, whose noise enters them with opposite signs (correlation -1/2). A Kalman filter
+    /// carries what the last window says about that noise together with the mean ratio: with e the noise of the pose at
+    /// the window's beginning, E\[e | mu\] = e^ + a (mu - mu^) for a = Cov(mu, e)/Var(mu), so a sample is an observation
+    /// of h mu, h = 1 - a/l, under noise that has nothing to do with mu. Each sample so enters by its likelihood given
+    /// the ones before, and over many windows the noise of the poses between them cancels.
     pub fn update(&mut self, sample: &Sample, start: f64, end: f64) {
-        let pose_variance = sample.pose_variance;
-        let shared = match self.shared {
-            Some(shared) if (shared.taken - start).abs() < 1e-6 => shared,
-            _ => SharedNoise { taken: start, mean: 0.0, variance: pose_variance },
-        };
-        let motion = sample.motion;
-        let ratio = sample.ratio + shared.mean / motion;
-        let noise = (shared.variance + pose_variance) / (motion * motion) + sample.other_variance;
+        let Sample { motion, pose_variance, weight, .. } = *sample;
+        let Corrected { innovation, response, noise, .. } = self.corrected(sample, start);
 
         let posterior = self.posterior;
-        let sigma_squared = posterior.s() / posterior.r();
-        let scale_squared = sigma_squared * (1.0 / sample.weight + 1.0 / posterior.k()) + noise;
-        let innovation = ratio - posterior.mu();
-        self.ln_evidence += ln_student(posterior, scale_squared, ratio);
-        self.statistics.update(ratio, sample.weight, innovation / scale_squared.sqrt());
+        let mean_variance = mean_variance(posterior);
+        let scale_squared =
+            posterior.s() / posterior.r() / weight + response * response * mean_variance + noise;
+        self.ln_evidence += ln_student(posterior, scale_squared, posterior.mu() + innovation);
+        let ratio = posterior.mu() + innovation;
+        self.statistics.update(ratio, weight, innovation / scale_squared.sqrt());
 
         let gain = pose_variance / motion / scale_squared;
         self.shared = Some(SharedNoise {
             taken: end,
             mean: gain * innovation,
             variance: pose_variance - gain * pose_variance / motion,
+            covariance: -gain * response * mean_variance,
         });
-        self.posterior = posterior.update_noisy(ratio, sample.weight, noise);
+        let squared = response * response;
+        self.posterior = posterior.update_noisy(
+            posterior.mu() + innovation / response,
+            weight * squared,
+            noise / squared,
+        );
+    }
+
+    /// What a sample from `start` s on says of the mean ratio.
+    fn corrected(&self, sample: &Sample, start: f64) -> Corrected {
+        let Sample { motion, pose_variance, other_variance, .. } = *sample;
+        let unknown =
+            SharedNoise { taken: start, mean: 0.0, variance: pose_variance, covariance: 0.0 };
+        let shared =
+            self.shared.filter(|shared| (shared.taken - start).abs() < 1e-6).unwrap_or(unknown);
+        // Both together are at least as sure as a correlation of one would make them.
+        let slope = shared.covariance / mean_variance(self.posterior);
+        let explained = (slope * shared.covariance).min(MOST_EXPLAINED * shared.variance);
+        let with = |variance: f64| (variance + pose_variance) / (motion * motion) + other_variance;
+        Corrected {
+            innovation: sample.ratio + shared.mean / motion - self.posterior.mu(),
+            response: 1.0 - slope / motion,
+            noise: with(shared.variance - explained),
+            whole_noise: with(shared.variance),
+        }
+    }
+
+    /// Whether a sample from `start` s on, not yet taken in, lies within the interval that is to hold it with
+    /// probability [`LEVEL`] where predictions assume `model`.
+    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: f64) -> bool {
+        let corrected = self.corrected(sample, start);
+        let Corrected { innovation, response, noise, whole_noise } = corrected;
+        let half = match model.posterior {
+            Some(posterior) => {
+                let of_mean = response * response * mean_variance(posterior);
+                let of_ratio = posterior.s() / posterior.r() / sample.weight;
+                let scale = (of_ratio + of_mean + noise).sqrt();
+                student_t_half_width(posterior.r(), LEVEL) * scale
+            }
+            None => NORMAL_HALF_WIDTH * (model.variance / sample.weight + whole_noise).sqrt(),
+        };
+        (innovation + self.posterior.mu() - model.mean).abs() <= half
     }
 
     /// Samples taken so far.
@@ -146,10 +200,21 @@ impl ChannelBelief {
     }
 }
 
-/// The central 90 % of a normal distribution: mean -+ 1.6449 sd.
+/// Most of the variance of a pose's noise that the mean ratio may explain: the filter's steps are not exact, a variance
+/// stays positive.
+const MOST_EXPLAINED: f64 = 0.99;
+
+/// Half the width in standard deviations of the central 90 % of a normal distribution.
+const NORMAL_HALF_WIDTH: f64 = 1.644_853_626_951_472_2;
+
+/// The central 90 % of a normal distribution.
 fn normal_interval(mean: f64, sd: f64) -> (f64, f64) {
-    const QUANTILE: f64 = 1.644_853_626_951_472_2;
-    (mean - QUANTILE * sd, mean + QUANTILE * sd)
+    (mean - NORMAL_HALF_WIDTH * sd, mean + NORMAL_HALF_WIDTH * sd)
+}
+
+/// Variance of the mean ratio, sigma^2 being as expected: (s/r)/k.
+fn mean_variance(posterior: NormalInverseChiSquared) -> f64 {
+    posterior.s() / posterior.r() / posterior.k()
 }
 
 /// ln density at `x` of a Student t with the posterior's centre and degrees of freedom and the given scale^2.

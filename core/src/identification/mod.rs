@@ -62,6 +62,11 @@ impl Belief {
         }
     }
 
+    /// Samples of every channel.
+    pub fn samples(&self) -> u64 {
+        self.channels.iter().map(ChannelBelief::samples).sum()
+    }
+
     /// One channel's belief.
     pub fn channel(&self, channel: Channel) -> &ChannelBelief {
         &self.channels[channel as usize]

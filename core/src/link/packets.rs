@@ -118,6 +118,16 @@ impl Link {
         Ok(Self { model, seed, up, down, late: None, one_way, jitter, after_on_time })
     }
 
+    /// Another link from now on: its draws, what is on its way and what held back what stay as they are.
+    ///
+    /// # Errors
+    /// Where the model means nothing; nothing has happened then.
+    pub fn set_model(&mut self, model: LinkModel) -> Result<(), LinkError> {
+        let Self { seed, up, down, .. } = *self;
+        *self = Self { up, down, ..Self::new(model, seed)? };
+        Ok(())
+    }
+
     /// What the link is like.
     pub fn model(&self) -> &LinkModel {
         &self.model

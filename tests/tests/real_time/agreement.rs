@@ -38,6 +38,7 @@ fn scenario() -> Scenario {
         link: LinkModel::ordinary(Rtt::Constant(0.040)),
         task: Task { calibration: None, ..Task::thesis() },
         start: Pose::default(),
+        region: None,
         time_limit: ARRIVAL.as_secs_f64(),
     }
 }

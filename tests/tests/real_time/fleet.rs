@@ -25,6 +25,7 @@ fn alone() -> f64 {
         link: LinkModel::preset("clean").unwrap(),
         task: straight_to(GOAL),
         start: Pose::default(),
+        region: None,
         time_limit: ARRIVAL.as_secs_f64(),
     };
     let outcome = scenario.run(1).unwrap();

@@ -1,0 +1,224 @@
+//! Who is compared: a method with its prior and its number of slots.
+
+use super::Trial;
+use super::scenario::Environment;
+use super::settings::ComparisonSettings;
+use super::witness::{Errors, Oracle, Witness};
+use crate::conjugate::SampleStatistics;
+use crate::controller::Controller;
+use crate::controller::compensation::Compensation;
+use crate::controller::settings::{Attribution, Method, Prior, Settings, VarianceLimits};
+use crate::episode::{Outcome, Scenario};
+use crate::identification::estimate::Channel;
+use crate::peers::{NoCompensation, StopWhenStale};
+use serde::{Deserialize, Serialize};
+
+/// Time in s that an episode may take beyond the limit: the calibration takes about 20 s at full speed.
+const CALIBRATION_TIME: f64 = 60.0;
+
+/// A method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Approach {
+    /// The error distribution measured once on the normal link.
+    FixedNormal,
+    /// The error distribution measured once on the bad link.
+    FixedBad,
+    /// Samples only.
+    Statistic,
+    /// Prior and samples: the thesis's method, whatever its prior.
+    Bayesian,
+    /// Knows the floor's errors where it stands, and what the robot really plays.
+    Oracle,
+    /// [`StopWhenStale`].
+    StopWhenStale,
+    /// [`NoCompensation`].
+    NoCompensation,
+}
+
+impl Approach {
+    /// Whether it learns the environment while it drives.
+    pub fn identifies(self) -> bool {
+        matches!(self, Self::Statistic | Self::Bayesian)
+    }
+}
+
+/// One who is compared.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contender {
+    /// Its name; with the slots its label.
+    pub name: String,
+    /// Its method.
+    pub approach: Approach,
+    /// Slots per horizon.
+    pub slots: usize,
+    /// What it believes before any sample, where its method is Bayesian.
+    pub prior: Prior,
+}
+
+/// Every contender's name, with its method; those of several horizons come with each.
+const ALL: [(&str, Approach, &[usize]); 10] = [
+    ("fixed-normal", Approach::FixedNormal, &[1, 20]),
+    ("fixed-bad", Approach::FixedBad, &[1, 20]),
+    ("statistic", Approach::Statistic, &[1, 20]),
+    ("bayesian", Approach::Bayesian, &[1, 20]),
+    ("bayesian-default", Approach::Bayesian, &[1, 20]),
+    ("bayesian-flat", Approach::Bayesian, &[1, 20]),
+    ("bayesian-empirical", Approach::Bayesian, &[1, 20]),
+    ("oracle", Approach::Oracle, &[1, 20]),
+    ("stop-when-stale", Approach::StopWhenStale, &[1]),
+    ("no-compensation", Approach::NoCompensation, &[1]),
+];
+
+/// The method whose differences to the others are reported: the thesis's claims are against it.
+pub const BASELINE: &str = "statistic";
+
+/// The method that the thesis claims for.
+pub const CHAMPION: &str = "bayesian";
+
+/// Every contender, in the order in which they are shown.
+pub(super) fn all() -> Vec<Contender> {
+    let all = ALL.iter().flat_map(|(name, approach, slots)| {
+        slots.iter().map(|slots| Contender {
+            name: (*name).to_owned(),
+            approach: *approach,
+            slots: *slots,
+            prior: prior(name),
+        })
+    });
+    all.collect()
+}
+
+/// Every contender's name.
+pub fn method_names() -> impl Iterator<Item = &'static str> {
+    ALL.iter().map(|(name, ..)| *name)
+}
+
+/// The prior that a contender has by default: `bayesian` is the evolved one.
+fn prior(name: &str) -> Prior {
+    let built_in = match name {
+        "bayesian" => "thesis",
+        "bayesian-flat" => "flat",
+        "bayesian-empirical" => "empirical",
+        _ => "default",
+    };
+    Prior::built_in(built_in).unwrap_or_default()
+}
+
+impl Contender {
+    /// How it is shown: name and slots.
+    ///
+    /// ```
+    /// use umwelt_core::comparison::ComparisonSettings;
+    /// let thesis = ComparisonSettings::scenario("thesis").ok_or("no such scenario")?;
+    /// assert_eq!(thesis.contenders[0].label(), "fixed-normal/1");
+    /// # Ok::<(), &str>(())
+    /// ```
+    pub fn label(&self) -> String {
+        format!("{}/{}", self.name, self.slots)
+    }
+
+    /// What its controller is told.
+    fn settings(&self, told: &Settings) -> Settings {
+        let settings = Settings { slots: self.slots, prior: self.prior, ..*told };
+        // Peers neither identify nor slow down for what they do not know.
+        let heedless = VarianceLimits { position: f64::INFINITY, heading: f64::INFINITY };
+        let peer = Settings { method: Method::FixedNormal, variance: heedless, ..settings };
+        match self.approach {
+            Approach::FixedNormal => Settings { method: Method::FixedNormal, ..settings },
+            Approach::FixedBad => Settings { method: Method::FixedBad, ..settings },
+            Approach::Statistic => Settings { method: Method::Statistic, ..settings },
+            Approach::Bayesian => Settings { method: Method::Bayesian, ..settings },
+            Approach::Oracle => Settings {
+                method: Method::FixedNormal,
+                attribution: Attribution::Played,
+                ..settings
+            },
+            Approach::StopWhenStale => Settings { watchdog: StopWhenStale::WATCHDOG, ..peer },
+            Approach::NoCompensation => peer,
+        }
+    }
+
+    /// Drives one episode. `known` says how each environment shows in the samples, and `here` which one this is; empty
+    /// where that is not asked.
+    pub(super) fn drive(
+        &self,
+        settings: &ComparisonSettings,
+        environment: &Environment,
+        known: &[Errors],
+        here: usize,
+        seed: u64,
+    ) -> (Trial, [SampleStatistics; 4]) {
+        let ComparisonSettings { controller, task, start, time_limit, .. } = settings;
+        let told = self.settings(controller);
+        let scenario = Scenario {
+            settings: told,
+            plant: environment.plant,
+            link: environment.link.clone(),
+            task: task.clone(),
+            start: *start,
+            region: environment.region.clone(),
+            time_limit: time_limit + CALIBRATION_TIME,
+        };
+        match self.approach {
+            Approach::FixedNormal
+            | Approach::FixedBad
+            | Approach::Statistic
+            | Approach::Bayesian => {
+                let witness = Witness::default();
+                let controller = Controller::with(told, witness);
+                let is_asked = self.approach.identifies() && known.len() > 1;
+                let (mut recognised, mut samples) = (is_asked.then_some(0), 0);
+                let driven = scenario.drive(controller, seed, |_, controller| {
+                    let belief = controller.belief();
+                    let taken = belief.samples();
+                    if is_asked && taken != samples {
+                        samples = taken;
+                        let is_right = Errors::nearest(known, &belief.model()) == here;
+                        recognised = if is_right { recognised.or(Some(samples)) } else { None };
+                    }
+                });
+                let Ok((outcome, controller)) = driven else { return lost(*time_limit) };
+                let identifies = self.approach.identifies();
+                let trial = Trial {
+                    recognised,
+                    coverage: identifies.then(|| controller.compensation().coverage()),
+                    ..trial(outcome, *time_limit)
+                };
+                let statistics = |channel| controller.belief().channel(channel).sample_statistics();
+                (trial, Channel::ALL.map(statistics))
+            }
+            Approach::Oracle => self.outcome(&scenario, Oracle::new(&scenario), seed, *time_limit),
+            Approach::StopWhenStale => self.outcome(&scenario, StopWhenStale, seed, *time_limit),
+            Approach::NoCompensation => self.outcome(&scenario, NoCompensation, seed, *time_limit),
+        }
+    }
+
+    /// Drives one episode of which nothing but the outcome counts.
+    fn outcome(
+        &self,
+        scenario: &Scenario,
+        compensation: impl Compensation,
+        seed: u64,
+        time_limit: f64,
+    ) -> (Trial, [SampleStatistics; 4]) {
+        let controller = Controller::with(scenario.settings, compensation);
+        let Ok((outcome, _)) = scenario.drive(controller, seed, |_, _| {}) else {
+            return lost(time_limit);
+        };
+        (trial(outcome, time_limit), Default::default())
+    }
+}
+
+/// An episode's outcome as it is compared. A robot that has not arrived in time took the whole of it.
+fn trial(outcome: Outcome, time_limit: f64) -> Trial {
+    let Outcome { arrived, time, max_deviation } = outcome;
+    let arrived = arrived && time <= time_limit;
+    let time = if arrived { time } else { time_limit };
+    Trial { arrived, time, deviation: max_deviation, ..Trial::default() }
+}
+
+/// What comes of an episode that cannot be simulated: checked before, so it does not happen.
+fn lost(time_limit: f64) -> (Trial, [SampleStatistics; 4]) {
+    (Trial { time: time_limit, ..Trial::default() }, Default::default())
+}
