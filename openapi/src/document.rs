@@ -3,6 +3,7 @@
 //! Built from a table of routes rather than from annotated functions: this crate has no functions to annotate, and
 //! a route's path parameters come from its template, so the two cannot part. Limits come from the checks.
 
+mod compare;
 mod evolve;
 mod limits;
 mod route;
@@ -19,7 +20,7 @@ is identified of the floor and the link.\n\nJSON in snake_case; every quantity n
 Unknown fields are refused in requests and must be ignored in responses: the contract only grows. Every problem of \
 a request is reported at once. Only UNAVAILABLE is retried by itself.";
 
-const TAGS: [(&str, &str); 9] = [
+const TAGS: [(&str, &str); 10] = [
     ("robots", "A robot: drive, limits, noise, method, prior; and how it is now"),
     ("tasks", "Where a robot is to go, and how far it has got"),
     ("control", "The hot path, and the stop"),
@@ -27,6 +28,7 @@ const TAGS: [(&str, &str); 9] = [
     ("priors", "What robots are told to believe before any sample, by name"),
     ("training", "Simulated environments by name: floors and links on which priors are evolved"),
     ("evolutions", "Priors searched for in the background"),
+    ("comparisons", "Methods compared in the background: the same seeds for all"),
     ("events", "What happens, as server-sent events"),
     ("server", "The server itself"),
 ];
@@ -72,6 +74,7 @@ fn routes() -> impl Iterator<Item = Route> {
         evolve::priors(),
         evolve::training(),
         evolve::evolutions(),
+        compare::comparisons(),
         events(),
         server(),
     ]

@@ -9,10 +9,12 @@ mod progress;
 mod request;
 mod spec;
 
-pub use champion::{Champion, Entry, EnvironmentResult, Estimate};
+pub use crate::estimate::Estimate;
+pub use crate::job::{PageQuery, State};
+pub use champion::{Champion, Entry, EnvironmentResult};
 pub use event::{Event, Kind};
 pub use generation::{Generation, GenerationEnvironment};
-pub use page::{DEFAULT_GENERATIONS_SIZE, GenerationsPage, MAX_GENERATIONS_SIZE, Page, PageQuery};
+pub use page::{DEFAULT_GENERATIONS_SIZE, GenerationsPage, MAX_GENERATIONS_SIZE, Page};
 pub use progress::{Progress, Stage};
 pub use request::Request;
 pub use spec::{
@@ -27,45 +29,6 @@ use utoipa::ToSchema;
 
 /// Largest body of a request in bytes; a full one has 3 kB.
 pub const MAX_BODY: usize = 64 * 1024;
-
-/// Where an evolution stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schema(as = evolution::State)]
-pub enum State {
-    /// It waits for its turn.
-    Queued,
-    /// It goes on.
-    Running,
-    /// It has a champion.
-    Succeeded,
-    /// It could not go on; `error` says why.
-    Failed,
-    /// Somebody cancelled it.
-    Cancelled,
-}
-
-impl State {
-    /// Every state.
-    pub const ALL: [Self; 5] =
-        [Self::Queued, Self::Running, Self::Succeeded, Self::Failed, Self::Cancelled];
-
-    /// The name on the wire.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Queued => "queued",
-            Self::Running => "running",
-            Self::Succeeded => "succeeded",
-            Self::Failed => "failed",
-            Self::Cancelled => "cancelled",
-        }
-    }
-
-    /// Whether it will never change again.
-    pub fn has_ended(self) -> bool {
-        !matches!(self, Self::Queued | Self::Running)
-    }
-}
 
 /// An evolution as it is now.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

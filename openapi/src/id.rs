@@ -72,6 +72,12 @@ pub struct EnvironmentId(Arc<str>);
 #[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
 pub struct EvolutionId(Arc<str>);
 
+/// The id of a comparison, given by the server: `comparison-12`. Ids never come back.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+pub struct ComparisonId(Arc<str>);
+
 /// What every id can do: be read, be shown, be looked up by its text.
 macro_rules! id {
     ($Id:ident, $of:literal) => {
@@ -134,11 +140,19 @@ id!(RobotId, "robot");
 id!(PriorId, "prior");
 id!(EnvironmentId, "environment");
 id!(EvolutionId, "evolution");
+id!(ComparisonId, "comparison");
 
 impl EvolutionId {
     /// The id of the evolution of this number: `evolution-12`.
     pub fn numbered(number: u64) -> Self {
         Self(format!("evolution-{number}").into())
+    }
+}
+
+impl ComparisonId {
+    /// The id of the comparison of this number: `comparison-12`.
+    pub fn numbered(number: u64) -> Self {
+        Self(format!("comparison-{number}").into())
     }
 }
 
@@ -164,12 +178,15 @@ mod tests {
         assert_eq!(field("A".parse::<PriorId>().unwrap_err().into()), "prior");
         assert_eq!(field("A".parse::<EnvironmentId>().unwrap_err().into()), "environment");
         assert_eq!(field("A".parse::<EvolutionId>().unwrap_err().into()), "evolution");
+        assert_eq!(field("A".parse::<ComparisonId>().unwrap_err().into()), "comparison");
     }
 
     #[test]
     fn a_number_makes_an_id() {
         for number in [0, 12, u64::MAX] {
             let id = EvolutionId::numbered(number);
+            assert_eq!(id.as_str().parse(), Ok(id.clone()));
+            let id = ComparisonId::numbered(number);
             assert_eq!(id.as_str().parse(), Ok(id.clone()));
         }
     }

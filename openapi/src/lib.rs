@@ -14,13 +14,16 @@
 
 mod body;
 mod check;
+pub mod comparison;
 mod document;
 pub mod environment;
+mod estimate;
 pub mod event;
 pub mod evolution;
 pub mod health;
 mod id;
 mod idempotency;
+mod job;
 mod named;
 mod number;
 pub mod page;
@@ -36,7 +39,7 @@ pub mod training;
 
 pub use check::Range;
 pub use document::document;
-pub use id::{EnvironmentId, EvolutionId, InvalidId, PriorId, RobotId};
+pub use id::{ComparisonId, EnvironmentId, EvolutionId, InvalidId, PriorId, RobotId};
 pub use idempotency::{IdempotencyKey, InvalidKey, MAX_KEY};
 pub use named::Known;
 pub use problem::{ErrorBody, Problem, Problems, Status};

@@ -4,7 +4,7 @@ use crate::check::Check;
 use crate::problem::Problems;
 use serde::{Deserialize, Serialize};
 
-/// Most items of one page of priors or evolutions: some megabytes where each has a champion.
+/// Most items of one page of priors, evolutions or comparisons: some megabytes where each has a champion.
 pub const MAX_PAGE_SIZE: u64 = 500;
 
 /// Items of a page where nothing is said.

@@ -57,7 +57,7 @@ pub mod reason {
     pub const DRAINING: &str = "DRAINING";
     /// The robot's clock ran backwards within an epoch.
     pub const CLOCK_WENT_BACK: &str = "CLOCK_WENT_BACK";
-    /// More is waiting than can be done in time: requests of a robot, evolutions of the server.
+    /// More is waiting than can be done in time: requests of a robot, evolutions or comparisons of the server.
     pub const QUEUE_FULL: &str = "QUEUE_FULL";
     /// A limit of the server is reached.
     pub const LIMIT_REACHED: &str = "LIMIT_REACHED";
@@ -81,6 +81,8 @@ pub mod reason {
     pub const UNKNOWN_PRIOR: &str = "UNKNOWN_PRIOR";
     /// No simulated environment goes by this name.
     pub const UNKNOWN_ENVIRONMENT: &str = "UNKNOWN_ENVIRONMENT";
+    /// No method, or none with so many slots, goes by this name.
+    pub const UNKNOWN_METHOD: &str = "UNKNOWN_METHOD";
     /// No preset of a floor or a link goes by this name.
     pub const UNKNOWN_PRESET: &str = "UNKNOWN_PRESET";
     /// Something stands twice in a list.

@@ -90,6 +90,15 @@ fn it_has_the_routes_of_the_architecture() {
         "get /v1/evolutions/{evolution}/generations",
         "get /v1/evolutions/{evolution}/events",
         "get /v1/evolutions/{evolution}/figures/{figure}",
+        "post /v1/comparisons",
+        "get /v1/comparisons/{comparison}",
+        "delete /v1/comparisons/{comparison}",
+        "get /v1/comparisons",
+        "post /v1/comparisons/{comparison}/cancel",
+        "get /v1/comparisons/{comparison}/events",
+        "get /v1/comparisons/{comparison}/figures/{figure}",
+        "get /v1/comparisons/{comparison}/trials.csv",
+        "get /v1/comparisons/{comparison}/report.md",
         "get /v1/robots/{robot}/events",
         "get /v1/events",
         "get /healthz",
@@ -162,7 +171,7 @@ fn every_operation_says_what_it_is_and_how_it_fails() {
             "{at}: tags"
         );
         assert_eq!(
-            matches!(method, "put") || matches!(path, "/v1/evolutions" if method == "post"),
+            matches!((method, path), ("put", _) | ("post", "/v1/evolutions" | "/v1/comparisons")),
             operation["requestBody"].is_object() && !path.ends_with("/step"),
             "{at}: body"
         );
@@ -198,7 +207,7 @@ fn no_schema_overwrites_another() {
     let document = document();
     let schemas = object(&document, "/components/schemas");
     assert_eq!(schemas.len(), derives, "{:?}", schemas.keys());
-    let rust_only = ["RobotId", "PriorId", "EnvironmentId", "EvolutionId"];
+    let rust_only = ["RobotId", "PriorId", "EnvironmentId", "EvolutionId", "ComparisonId"];
     for name in schemas.keys().filter(|name| !rust_only.contains(&name.as_str())) {
         assert!(
             name.contains('.'),
@@ -235,6 +244,7 @@ fn numbers_have_limits_and_fields_have_words() {
         "training.Silences",
         "training.TraceRow",
         "evolution.Request",
+        "comparison.Request",
     ];
     for name in incoming {
         for (field, property) in

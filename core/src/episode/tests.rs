@@ -193,3 +193,20 @@ fn what_means_nothing_is_refused() {
     wrong.link.sensor_delay = -1.0;
     assert!(matches!(wrong.run(1), Err(EpisodeError::Link(_))));
 }
+
+/// A region that is everywhere is the room, one that is nowhere is nothing, one in between is neither.
+#[test]
+fn floor_and_link_change_where_the_region_is() {
+    let bad = LinkModel::preset("bad").expect("a preset");
+    let plain = scenario(LinkModel::preset("normal").expect("a preset"), Slip::HARD, 1);
+    let changed = scenario(bad.clone(), Slip::SLIPPERY, 1);
+    let with = |from, to| {
+        let region = Some(Region { from, to, slip: Slip::SLIPPERY, link: bad.clone() });
+        Scenario { region, ..plain.clone() }.run(4).expect("a valid scenario")
+    };
+    let [plain_run, changed_run] = [&plain, &changed].map(|it| it.run(4).expect("valid"));
+    assert_eq!(with(-9.0, 9.0), changed_run);
+    assert_eq!(with(5.0, 9.0), plain_run);
+    let between = with(-0.3, -0.1);
+    assert!(between != plain_run && between != changed_run);
+}

@@ -1,7 +1,7 @@
 //! The routes of priors, simulated environments and evolutions.
 
-use super::route::{Route, integer, text};
-use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
+use super::route::Route;
+use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE};
 use crate::{evolution, prior, training};
 
 pub(super) fn priors() -> Vec<Route> {
@@ -24,7 +24,8 @@ pub(super) fn priors() -> Vec<Route> {
             .if_match()
             .gives_nothing("It is gone")
             .fails(&[400, 404, 409]),
-        paged(Route::get("/v1/priors", "list_priors", "List priors"), MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE)
+        Route::get("/v1/priors", "list_priors", "List priors")
+            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE)
             .tag("priors")
             .about("In the order of their names, built-in ones among them.")
             .gives::<prior::Page>(200, "Some of the priors")
@@ -65,15 +66,12 @@ pub(super) fn training() -> Vec<Route> {
         .if_match()
         .gives_nothing("It is gone")
         .fails(&[400, 404, 409]),
-        paged(
-            Route::get(
-                "/v1/environments",
-                "list_training_environments",
-                "List simulated environments",
-            ),
-            max,
-            DEFAULT_PAGE_SIZE,
+        Route::get(
+            "/v1/environments",
+            "list_training_environments",
+            "List simulated environments",
         )
+        .paged(max, DEFAULT_PAGE_SIZE)
         .tag("training")
         .about("In the order of their names, built-in ones among them.")
         .gives::<training::Page>(200, "Some of the environments")
@@ -101,16 +99,13 @@ pub(super) fn evolutions() -> Vec<Route> {
             .about("With its generations; a prior that it found stays. FAILED_PRECONDITION with NOT_ENDED where it has not: cancel it first.")
             .gives_nothing("It is gone")
             .fails(&[400, 404]),
-        paged(
-            Route::get("/v1/evolutions", "list_evolutions", "List evolutions"),
-            MAX_PAGE_SIZE,
-            DEFAULT_PAGE_SIZE,
-        )
-        .tag("evolutions")
-        .about("The newest first.")
-        .query_as::<evolution::State>("state", "Only evolutions in this state")
-        .gives::<evolution::Page>(200, "Some of the evolutions")
-        .fails(&[400]),
+        Route::get("/v1/evolutions", "list_evolutions", "List evolutions")
+            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE)
+            .tag("evolutions")
+            .about("The newest first.")
+            .query_as::<evolution::State>("state", "Only evolutions in this state")
+            .gives::<evolution::Page>(200, "Some of the evolutions")
+            .fails(&[400]),
         Route::post(
             "/v1/evolutions/{evolution}/cancel",
             "cancel_evolution",
@@ -120,15 +115,12 @@ pub(super) fn evolutions() -> Vec<Route> {
         .about("What came of its generations stays. One that is cancelled already is given as it is; FAILED_PRECONDITION with ENDED for one that has succeeded or failed.")
         .gives::<evolution::Evolution>(200, "It is cancelled")
         .fails(&[400, 404]),
-        paged(
-            Route::get(
-                "/v1/evolutions/{evolution}/generations",
-                "list_generations",
-                "List the generations of an evolution",
-            ),
-            max,
-            default,
+        Route::get(
+            "/v1/evolutions/{evolution}/generations",
+            "list_generations",
+            "List the generations of an evolution",
         )
+        .paged(max, default)
         .tag("evolutions")
         .about("In their order, as far as they have ended.")
         .gives::<evolution::GenerationsPage>(200, "Some of the generations")
@@ -153,12 +145,4 @@ pub(super) fn evolutions() -> Vec<Route> {
         .gives_text(evolution::Figure::MEDIA_TYPE, "The figure")
         .fails(&[400, 404]),
     ]
-}
-
-fn paged(route: Route, max: u64, default: u64) -> Route {
-    route.query("page_size", "Most of them to list", integer(1, max, default)).query(
-        "page_token",
-        "The `next_page_token` of the page before",
-        text(MAX_PAGE_TOKEN),
-    )
 }

@@ -2,7 +2,7 @@
 
 use super::route::Schemas;
 use crate::check::{Check, Checked, Limit};
-use crate::{evolution, prior, robot, step, task, training};
+use crate::{comparison, evolution, prior, robot, step, task, training};
 use utoipa::openapi::schema::{ArrayItems, Schema};
 use utoipa::openapi::{Object, RefOr};
 use utoipa::{Number, ToSchema};
@@ -51,7 +51,7 @@ pub(super) fn apply(schemas: &mut Schemas) {
     );
 }
 
-/// Priors, simulated environments with each kind of link, and evolutions.
+/// Priors, simulated environments with each kind of link, evolutions and comparisons.
 fn write_evolve(schemas: &mut Schemas) {
     write(schemas, &prior::Spec { note: Some(String::new()), ..prior::Spec::default() });
     for rtt in [
@@ -79,6 +79,7 @@ fn write_evolve(schemas: &mut Schemas) {
         );
     }
     write(schemas, &evolution::Request::default());
+    write(schemas, &comparison::Request::default());
 }
 
 fn write<T: Checked + ToSchema>(schemas: &mut Schemas, example: &T) {

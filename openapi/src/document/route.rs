@@ -1,10 +1,10 @@
 //! One route of the contract and its OpenAPI form.
 
-use crate::IdempotencyKey;
-use crate::evolution::Figure;
-use crate::id::{EnvironmentId, EvolutionId, PriorId, RobotId};
+use crate::id::{ComparisonId, EnvironmentId, EvolutionId, PriorId, RobotId};
 use crate::idempotency::MAX_KEY;
+use crate::page::MAX_PAGE_TOKEN;
 use crate::problem::ErrorBody;
+use crate::{IdempotencyKey, comparison, evolution};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
 use utoipa::openapi::path::{OperationBuilder, ParameterBuilder, ParameterIn};
@@ -53,7 +53,11 @@ impl Route {
                 "prior" => route.schema::<PriorId>(),
                 "environment" => route.schema::<EnvironmentId>(),
                 "evolution" => route.schema::<EvolutionId>(),
-                "figure" => route.schema::<Figure>(),
+                "comparison" => route.schema::<ComparisonId>(),
+                "figure" if path.starts_with("/v1/comparisons/") => {
+                    route.schema::<comparison::Figure>()
+                }
+                "figure" => route.schema::<evolution::Figure>(),
                 other => unreachable!("nobody knows what a {other} is"),
             };
             let about = format!("Id of the {name}");
@@ -81,6 +85,15 @@ impl Route {
     pub(super) fn query_as<T: ToSchema>(mut self, name: &str, about: &str) -> Self {
         let schema = self.schema::<T>();
         self.query(name, about, schema)
+    }
+
+    /// A list that comes in pages of at most `max`.
+    pub(super) fn paged(self, max: u64, default: u64) -> Self {
+        self.query("page_size", "Most of them to list", integer(1, max, default)).query(
+            "page_token",
+            "The `next_page_token` of the page before",
+            text(MAX_PAGE_TOKEN),
+        )
     }
 
     pub(super) fn if_match(self) -> Self {

@@ -1,31 +1,10 @@
 //! What an evolution found, and what it is worth beside what was there before.
 
+use crate::estimate::Estimate;
 use crate::number;
 use crate::robot;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-
-/// A mean with its 95 % confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Estimate)]
-pub struct Estimate {
-    /// The mean.
-    #[serde(serialize_with = "number::finite")]
-    pub mean: f64,
-    /// Lower end of the interval.
-    #[serde(serialize_with = "number::finite")]
-    pub low: f64,
-    /// Upper end of the interval.
-    #[serde(serialize_with = "number::finite")]
-    pub high: f64,
-}
-
-impl Estimate {
-    /// Whether the interval includes zero: then no difference is shown.
-    pub fn includes_zero(&self) -> bool {
-        self.low <= 0.0 && 0.0 <= self.high
-    }
-}
 
 /// A prior in one environment, on the seeds of the report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -258,12 +258,6 @@ impl From<&evolution::Generation> for Generation {
     }
 }
 
-impl From<evolution::Estimate> for Estimate {
-    fn from(core: evolution::Estimate) -> Self {
-        Self { mean: core.mean, low: core.low, high: core.high }
-    }
-}
-
 impl From<&evolution::Entry> for Entry {
     fn from(core: &evolution::Entry) -> Self {
         let difference = core.difference.map(Estimate::from);

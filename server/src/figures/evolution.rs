@@ -62,7 +62,7 @@ impl Figure {
         (self == Self::Fitness).then_some(1.0)
     }
 
-    fn legend(self) -> Vec<(Stroke, &'static str)> {
+    fn legend(self) -> Vec<(Stroke, String)> {
         let best = match self {
             Self::Deviation => "smallest of any individual",
             Self::Time => "shortest of any individual",
@@ -72,7 +72,7 @@ impl Figure {
         if self.reference().is_some() {
             legend.push((REFERENCE, "fixed-normal"));
         }
-        legend
+        legend.into_iter().map(|(stroke, label)| (stroke, label.to_owned())).collect()
     }
 }
 
@@ -132,6 +132,7 @@ pub fn svg(
         title: multiple.title,
         x: x.clone(),
         y: scale.at(place).clone(),
+        points: Vec::new(),
     };
     let panels: Vec<Panel> = multiples.into_iter().enumerate().map(panel).collect();
     page::document(&heading, &panels)

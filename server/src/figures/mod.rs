@@ -13,6 +13,7 @@
 //! itself; names come from users, so every text passes [`text::printable`] and is escaped.
 
 mod axis;
+pub mod comparison;
 pub mod evolution;
 mod page;
 mod panel;
@@ -59,6 +60,11 @@ pub enum FigureError {
     /// Nothing has happened yet.
     #[error("no generation has ended yet, so there is nothing to draw: try again after the first")]
     NoGenerations,
+    /// There are no trials.
+    #[error(
+        "there are no trials yet, so there is nothing to draw: try again when the comparison has ended"
+    )]
+    NoTrials,
     /// The generations say nothing of any environment.
     #[error("the generations name no environment, so there is no panel to draw")]
     NoEnvironments,
@@ -79,6 +85,12 @@ enum Marker {
     None,
     Disc,
     Diamond,
+    Square,
+    Triangle,
+    /// A triangle on its tip.
+    Inverted,
+    Cross,
+    Plus,
 }
 
 /// How a curve looks.
@@ -146,6 +158,23 @@ struct Panel {
     x: Axis,
     y: Axis,
     curves: Vec<Curve>,
+    points: Vec<Point>,
+}
+
+/// A single point.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    /// Of which colour and marker count.
+    stroke: Stroke,
+    /// Whether its marker is an outline.
+    is_hollow: bool,
+    at: (f64, f64),
+}
+
+impl Point {
+    fn is_drawable(&self) -> bool {
+        axis::is_drawable(self.at.0) && axis::is_drawable(self.at.1)
+    }
 }
 
 /// What stands above the panels.
@@ -156,7 +185,7 @@ struct Heading {
     subtitle: String,
     /// How to read it, where that is not plain.
     notes: Vec<String>,
-    legend: Vec<(Stroke, &'static str)>,
+    legend: Vec<(Stroke, String)>,
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

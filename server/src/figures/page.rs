@@ -3,7 +3,7 @@
 
 use super::panel::{self, Layout};
 use super::text::{self, LABEL, SMALL, TITLE};
-use super::{Area, FigureError, Heading, INK, Marker, Panel, QUIET, Stroke, UNIT, layer};
+use super::{Area, Curve, FigureError, Heading, INK, Marker, Panel, QUIET, Stroke, UNIT, layer};
 use plotters::element::PathElement;
 use plotters::prelude::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -68,12 +68,15 @@ pub(super) fn document(heading: &Heading, panels: &[Panel]) -> Result<String, Fi
     let paragraphs = [&heading.subtitle].into_iter().chain(&heading.notes);
     let subtitles: Vec<_> = paragraphs.flat_map(|it| text::lines(it, SMALL, room, 3)).collect();
     let is_marked = |stroke: Stroke| {
-        let mut curves = panels.iter().flat_map(|panel| &panel.curves);
-        curves.any(|curve| curve.stroke == stroke && curve.marked().next().is_some())
+        let is_curve = |curve: &Curve| curve.stroke == stroke && curve.marked().next().is_some();
+        panels.iter().any(|panel| {
+            panel.curves.iter().any(is_curve)
+                || panel.points.iter().any(|point| point.stroke == stroke)
+        })
     };
     let sample = |(stroke, label): &Entry| {
         let marker = if is_marked(*stroke) { stroke.marker } else { Marker::None };
-        (Stroke { marker, ..*stroke }, *label)
+        (Stroke { marker, ..*stroke }, label.clone())
     };
     let rows = legend_rows(heading.legend.iter().map(sample), room);
     let top = MARGIN
@@ -140,7 +143,7 @@ fn head(
     })
 }
 
-type Entry = (Stroke, &'static str);
+type Entry = (Stroke, String);
 
 fn entry_width((_, label): &Entry) -> i32 {
     SAMPLE + 6 + text::width(label, LABEL) as i32 + 14
@@ -151,14 +154,15 @@ fn legend_rows(entries: impl Iterator<Item = Entry>, room: i32) -> Vec<Vec<Entry
     let mut rows: Vec<Vec<Entry>> = Vec::new();
     let mut width = 0;
     for entry in entries {
+        let entry_width = entry_width(&entry);
         match rows.last_mut() {
-            Some(row) if width + entry_width(&entry) <= room => row.push(entry),
+            Some(row) if width + entry_width <= room => row.push(entry),
             _ => {
                 rows.push(vec![entry]);
                 width = 0;
             }
         }
-        width += entry_width(&entry);
+        width += entry_width;
     }
     rows
 }
@@ -175,14 +179,17 @@ fn legend(document: &mut String, rows: &[Vec<Entry>], top: i32) -> Result<(), Fi
 }
 
 fn legend_entry(document: &mut String, entry: &Entry) -> Result<(), FigureError> {
-    let (stroke, label) = *entry;
+    let (stroke, label) = entry;
     let (size, middle) = ((entry_width(entry) * UNIT, 20 * UNIT), 10 * UNIT);
     layer(document, size, stroke.dash, |root| {
         let style = stroke.colour.stroke_width(stroke.width);
+        if stroke.width == 0 {
+            return Ok(());
+        }
         Ok(root.draw(&PathElement::new([(0, middle), (SAMPLE * UNIT, middle)], style))?)
     })?;
     layer(document, size, None, |root: &Area<'_>| {
-        panel::mark(root, stroke, (SAMPLE * UNIT / 2, middle))?;
+        panel::mark(root, *stroke, false, (SAMPLE * UNIT / 2, middle))?;
         let style = text::style(LABEL, INK).pos(Pos::new(HPos::Left, VPos::Center));
         Ok(root.draw_text(label, &style, ((SAMPLE + 6) * UNIT, middle))?)
     })

@@ -1,7 +1,7 @@
 //! One panel: title, axes, curves.
 
 use super::text::{self, LABEL, SMALL};
-use super::{Area, Axis, FigureError, GRID, INK, Marker, Panel, QUIET, Stroke, UNIT, layer};
+use super::{Area, Axis, FigureError, GRID, INK, Marker, Panel, Point, QUIET, Stroke, UNIT, layer};
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle};
@@ -14,6 +14,8 @@ const TICK_LABELS: i32 = 21;
 const AXIS_NAME: i32 = 17;
 /// Room right of the axes: half a tick label.
 const RIGHT: i32 = 16;
+/// Width of the line around a hollow marker, in units.
+const OUTLINE: u32 = 9;
 /// Length of a tick.
 const TICK: i32 = 3;
 
@@ -81,7 +83,8 @@ pub(super) fn draw(
             root.draw_text(line, &style, (layout.left() * UNIT, y * UNIT))?;
         }
         frame(&mut chart(root, panel, layout)?, panel, layout)?;
-        if panel.curves.iter().all(|curve| curve.runs().next().is_none()) {
+        let has_curve = panel.curves.iter().any(|curve| curve.runs().next().is_some());
+        if !has_curve && !panel.points.iter().any(Point::is_drawable) {
             let (x, y) = (layout.left() + layout.plot.0 / 2, layout.top() + layout.plot.1 / 2);
             let (x, y, half) = (x * UNIT, y * UNIT, (60 * UNIT, 9 * UNIT));
             let corners = [(x - half.0, y - half.1), (x + half.0, y + half.1)];
@@ -105,8 +108,11 @@ pub(super) fn draw(
         let chart = chart(root, panel, layout)?;
         for curve in &panel.curves {
             for point in curve.marked() {
-                mark(root, curve.stroke, chart.backend_coord(point))?;
+                mark(root, curve.stroke, false, chart.backend_coord(point))?;
             }
+        }
+        for point in panel.points.iter().filter(|point| point.is_drawable()) {
+            mark(root, point.stroke, point.is_hollow, chart.backend_coord(&point.at))?;
         }
         Ok(())
     })
@@ -145,15 +151,42 @@ fn frame(chart: &mut Chart<'_, '_>, panel: &Panel, layout: Layout) -> Result<(),
 }
 
 /// Draws a marker at units of `root`.
-pub(super) fn mark(root: &Area<'_>, stroke: Stroke, at: (i32, i32)) -> Result<(), FigureError> {
-    let style = stroke.colour.filled();
-    match stroke.marker {
-        Marker::None => {}
-        Marker::Disc => root.draw(&Circle::new(at, 24, style))?,
-        Marker::Diamond => {
-            let corners = [(0, -30), (30, 0), (0, 30), (-30, 0)];
-            root.draw(&Polygon::new(corners.map(|(x, y)| (at.0 + x, at.1 + y)).to_vec(), style))?;
+pub(super) fn mark(
+    root: &Area<'_>,
+    stroke: Stroke,
+    is_hollow: bool,
+    at: (i32, i32),
+) -> Result<(), FigureError> {
+    let moved = |points: &[(i32, i32)]| -> Vec<_> {
+        points.iter().map(|(x, y)| (at.0 + x, at.1 + y)).collect()
+    };
+    let outline = stroke.colour.stroke_width(OUTLINE);
+    let corners: &[(i32, i32)] = match stroke.marker {
+        Marker::None => return Ok(()),
+        Marker::Disc if is_hollow => return Ok(root.draw(&Circle::new(at, 24, outline))?),
+        Marker::Disc => return Ok(root.draw(&Circle::new(at, 24, stroke.colour.filled()))?),
+        Marker::Cross | Marker::Plus => {
+            let bars = match stroke.marker {
+                Marker::Cross => [[(-24, -24), (24, 24)], [(-24, 24), (24, -24)]],
+                _ => [[(-32, 0), (32, 0)], [(0, -32), (0, 32)]],
+            };
+            let width = if is_hollow { OUTLINE } else { 2 * OUTLINE };
+            for bar in bars {
+                root.draw(&PathElement::new(moved(&bar), stroke.colour.stroke_width(width)))?;
+            }
+            return Ok(());
         }
+        Marker::Diamond => &[(0, -30), (30, 0), (0, 30), (-30, 0)],
+        Marker::Square => &[(-23, -23), (23, -23), (23, 23), (-23, 23)],
+        Marker::Triangle => &[(0, -30), (28, 20), (-28, 20)],
+        Marker::Inverted => &[(0, 30), (28, -20), (-28, -20)],
+    };
+    if is_hollow {
+        let mut way = moved(corners);
+        way.push(way[0]);
+        root.draw(&PathElement::new(way, outline))?;
+    } else {
+        root.draw(&Polygon::new(moved(corners), stroke.colour.filled()))?;
     }
     Ok(())
 }

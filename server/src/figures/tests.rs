@@ -1,5 +1,6 @@
 //! Figures read back as a reader would: from their text, their ticks and their lines.
 
+mod comparison;
 mod reading;
 
 use super::evolution::{Figure, svg};

@@ -1,0 +1,106 @@
+//! Comparisons: methods driven over environments and trials in the background, on the same seeds.
+
+mod claim;
+mod convert;
+mod event;
+mod page;
+mod progress;
+mod report;
+mod request;
+mod spec;
+
+pub use crate::estimate::Estimate;
+pub use crate::job::{PageQuery, State};
+pub use claim::Claim;
+pub use event::{Event, Kind};
+pub use page::Page;
+pub use progress::{Progress, Stage};
+pub use report::{
+    Difference, Entry, EnvironmentReport, Quantities, Recognition, Reductions, Report,
+};
+pub use request::Request;
+pub use spec::{DEFAULT_PRIOR, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
+
+use crate::id::ComparisonId;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Largest body of a request in bytes; a full one has 2 kB.
+pub const MAX_BODY: usize = 16 * 1024;
+
+/// The media type of the trials.
+pub const TRIALS_MEDIA_TYPE: &str = "text/csv";
+
+/// The columns of the trials. A row is one trial of one contender in one environment; trials count from 0, `arrived` is
+/// `true` or `false`, and what was not asked is empty.
+pub const TRIALS_COLUMNS: [&str; 9] = [
+    "environment",
+    "contender",
+    "trial",
+    "arrived",
+    "time_s",
+    "deviation_m",
+    "recognised_samples",
+    "covered_samples",
+    "samples",
+];
+
+/// The media type of the report for people.
+pub const REPORT_MEDIA_TYPE: &str = "text/markdown";
+
+/// A comparison as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = comparison::Comparison)]
+pub struct Comparison {
+    /// Its id, given by the server.
+    pub comparison: ComparisonId,
+    /// Where it stands.
+    pub state: State,
+    /// What was asked for, all filled in.
+    pub spec: Spec,
+    /// How far it has got.
+    pub progress: Progress,
+    /// How often it went on after a restart of the server.
+    pub interrupted: u64,
+    /// When it was submitted, in seconds since 1970 by the server's clock.
+    pub created_unix_s: u64,
+    /// Why it failed, or what keeps it from going on; null where nothing does.
+    pub error: Option<String>,
+    /// What came of it; null until it has succeeded, and in lists: it may have some hundred kilobytes.
+    pub report: Option<Report>,
+}
+
+/// A figure of a comparison (thesis figures 8 to 11).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = comparison::Figure)]
+pub enum Figure {
+    /// Share of the trials that deviate by more, environment by environment.
+    Deviation,
+    /// Share of the trials that take longer, environment by environment.
+    Time,
+    /// Time against deviation: who is beaten in both.
+    Pareto,
+}
+
+impl Figure {
+    /// Every figure.
+    pub const ALL: [Self; 3] = [Self::Deviation, Self::Time, Self::Pareto];
+
+    /// The media type of every figure.
+    pub const MEDIA_TYPE: &str = "image/svg+xml";
+
+    /// The name in a path.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Deviation => "deviation",
+            Self::Time => "time",
+            Self::Pareto => "pareto",
+        }
+    }
+
+    /// The figure of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|figure| figure.name() == name)
+    }
+}

@@ -1,0 +1,41 @@
+//! A number with how well it is known.
+
+use crate::number;
+use serde::{Deserialize, Serialize};
+use umwelt_core::evolution;
+use utoipa::ToSchema;
+
+// The schema has the name that it had when evolutions alone estimated something: names are the contract's.
+/// A mean with its 95 % confidence interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = evolution::Estimate)]
+pub struct Estimate {
+    /// The mean.
+    #[serde(serialize_with = "number::finite")]
+    pub mean: f64,
+    /// Lower end of the interval.
+    #[serde(serialize_with = "number::finite")]
+    pub low: f64,
+    /// Upper end of the interval.
+    #[serde(serialize_with = "number::finite")]
+    pub high: f64,
+}
+
+impl Estimate {
+    /// Whether the interval includes zero: then no difference is shown.
+    pub fn includes_zero(&self) -> bool {
+        self.low <= 0.0 && 0.0 <= self.high
+    }
+
+    /// The estimate where all of it is finite; `null` on the wire otherwise.
+    pub(crate) fn known(core: evolution::Estimate) -> Option<Self> {
+        let is_known = [core.mean, core.low, core.high].iter().all(|it| it.is_finite());
+        is_known.then(|| core.into())
+    }
+}
+
+impl From<evolution::Estimate> for Estimate {
+    fn from(core: evolution::Estimate) -> Self {
+        Self { mean: core.mean, low: core.low, high: core.high }
+    }
+}
