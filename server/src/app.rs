@@ -9,6 +9,7 @@ use crate::store::Keeper;
 use crate::training::Environments;
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
+use umwelt_core::comparison::Comparison;
 use umwelt_core::evolution::Evolution;
 
 /// What every route can reach; cheap to clone.
@@ -21,6 +22,7 @@ pub(crate) struct App {
     pub(crate) priors: Priors,
     pub(crate) environments: Environments,
     pub(crate) evolutions: Jobs<Evolution>,
+    pub(crate) comparisons: Jobs<Comparison>,
     /// One permit per event stream.
     pub(crate) streams: Arc<Semaphore>,
     /// Set when event streams are to end, since they would outlast any shutdown.
@@ -36,11 +38,13 @@ pub(crate) struct Parts {
     pub(crate) priors: Priors,
     pub(crate) environments: Environments,
     pub(crate) evolutions: Jobs<Evolution>,
+    pub(crate) comparisons: Jobs<Comparison>,
 }
 
 impl App {
     pub(crate) fn new(parts: Parts) -> Self {
-        let Parts { config, keeper, fleet, feed, priors, environments, evolutions } = parts;
+        let Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons } =
+            parts;
         Self {
             streams: Arc::new(Semaphore::new(config.max_event_streams.min(Semaphore::MAX_PERMITS))),
             closing: Arc::default(),
@@ -51,6 +55,7 @@ impl App {
             priors,
             environments,
             evolutions,
+            comparisons,
         }
     }
 }

@@ -24,6 +24,7 @@
 mod answer;
 mod app;
 mod catalogue;
+mod comparison;
 mod condition;
 mod config;
 mod connection;
@@ -36,6 +37,7 @@ mod feed;
 mod figures;
 mod fleet;
 mod jobs;
+pub mod offline;
 mod priors;
 mod robot;
 mod router;
@@ -45,7 +47,6 @@ pub mod store;
 mod training;
 
 pub use config::Config;
-pub use evolution::offline;
 pub use jobs::Priority;
 pub use serve::Server;
 pub use store::Store;

@@ -15,7 +15,7 @@ use umwelt_core::evolution::Evolution;
 pub(crate) fn claimant(evolutions: &Jobs<Evolution>, name: &PriorId) -> Option<JobId> {
     let claims = evolutions.below(None).into_iter().find(|job| {
         let record = job.shown().record;
-        !record.state.has_ended() && record.claim == *name
+        !record.state.has_ended() && record.own == *name
     });
     claims.map(|job| job.id())
 }
@@ -65,7 +65,7 @@ pub(super) fn gift(priors: &Priors, id: JobId, record: &Record<Evolution>) -> Op
         optimizer: record.settings.optimizer.into(),
         fitness: report.entries.first().map(|champion| champion.fitness.mean),
     };
-    let named = Named { id: record.claim.clone(), prior: report.champion, note: None, source };
+    let named = Named { id: record.own.clone(), prior: report.champion, note: None, source };
     let change = Change::PutPrior(named.stored()?);
     let priors = priors.clone();
     Some(Gift { change, show: Box::new(move || priors.all().insert(named.clone())) })

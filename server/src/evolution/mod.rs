@@ -1,7 +1,6 @@
-//! Evolutions of priors: what they are among the jobs of the server, and without a server.
+//! Evolutions of priors: what they are among the jobs of the server.
 
 mod champion;
-pub mod offline;
 mod wire;
 
 pub(crate) use champion::{claim, claimant};
@@ -19,7 +18,7 @@ impl Work for Evolution {
     const STATE_VERSION: u32 = STATE_VERSION;
     type Settings = EvolutionSettings;
     /// The name that the champion gets.
-    type Claim = PriorId;
+    type Own = PriorId;
     type Stage = Stage;
     /// Fitness of the last generation that has ended.
     type Latest = Spread;

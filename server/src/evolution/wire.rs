@@ -5,18 +5,6 @@ use umwelt_api::EvolutionId;
 use umwelt_api::evolution::{self, Champion, Event, Progress, Spec, Stage};
 use umwelt_core::evolution::Evolution;
 
-impl From<State> for evolution::State {
-    fn from(state: State) -> Self {
-        match state {
-            State::Queued => Self::Queued,
-            State::Running => Self::Running,
-            State::Succeeded => Self::Succeeded,
-            State::Failed => Self::Failed,
-            State::Cancelled => Self::Cancelled,
-        }
-    }
-}
-
 impl Job<Evolution> {
     /// As the wire has it.
     pub(crate) fn evolution(&self) -> evolution::Evolution {
@@ -25,12 +13,12 @@ impl Job<Evolution> {
         evolution::Evolution {
             evolution: EvolutionId::numbered(self.id().number),
             state: record.state.into(),
-            spec: Spec::from_core(&record.settings, Some(record.claim.as_str())),
+            spec: Spec::from_core(&record.settings, Some(record.own.as_str())),
             progress: self.progress(&shown),
             interrupted: record.interrupted,
             created_unix_s: record.created_unix,
             error: shown.error(),
-            prior: (record.state == State::Succeeded).then(|| record.claim.clone()),
+            prior: (record.state == State::Succeeded).then(|| record.own.clone()),
             champion: record.report.as_ref().map(Champion::from),
         }
     }

@@ -16,7 +16,7 @@ mod work;
 pub(crate) use job::{Job, Pace, Shown};
 pub use pool::Priority;
 pub(crate) use pool::{Meter, Pool};
-pub(crate) use queue::{Jobs, Limits, Submission};
+pub(crate) use queue::{Jobs, Limits, Submission, Submitting};
 #[cfg(test)]
 pub(crate) use record::{Checkpoint, Unreadable};
 pub(crate) use record::{Record, State, read_part};

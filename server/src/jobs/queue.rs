@@ -1,7 +1,7 @@
 //! The jobs of one kind: submitted, waiting, running, ended.
 //!
-//! Invariants: what is acknowledged is kept; numbers never come back. Locks are taken in this order: what the claims of
-//! a kind need, submitting, the change of one job.
+//! Invariants: what is acknowledged is kept; numbers never come back. Locks are taken in this order: what a kind needs to
+//! stay free, submitting, the change of one job.
 
 use super::dispatch;
 use super::job::Job;
@@ -229,12 +229,12 @@ impl<W: Work> Submitting<'_, W> {
         Err(Failure::new(Status::FailedPrecondition, message).with(detail))
     }
 
-    /// Queues a job. `claim` gives it a number from the one that it is called with on, and its claim; what that needs
-    /// the caller holds, so that it stays free.
+    /// Queues a job. `own` gives it a number from the one that it is called with on, and what is its own; what that needs
+    /// to stay free the caller holds.
     pub(crate) async fn submit(
         &mut self,
         submission: Submission<W>,
-        claim: impl FnOnce(u64) -> Result<(u64, W::Claim), Failure>,
+        own: impl FnOnce(u64) -> Result<(u64, W::Own), Failure>,
     ) -> Result<Arc<Job<W>>, Failure> {
         let inner = self.inner;
         if *inner.closing.borrow() {
@@ -249,7 +249,7 @@ impl<W: Work> Submitting<'_, W> {
         }
         let next = self.last.checked_add(1);
         let next = next.ok_or_else(|| failure::internal("there are no more numbers"))?;
-        let (number, claim) = claim(next)?;
+        let (number, own) = own(next)?;
         let Submission { settings, key, request } = submission;
         let work = W::new(settings.clone()).map_err(failure::internal)?;
         let record = Record {
@@ -257,7 +257,7 @@ impl<W: Work> Submitting<'_, W> {
             interrupted: 0,
             created_unix: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |it| it.as_secs()),
             settings,
-            claim,
+            own,
             key: key.map(|key| key.to_string()),
             request,
             error: None,

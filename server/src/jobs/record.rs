@@ -5,6 +5,7 @@
 use super::work::Work;
 use crate::store::{JobId, StoredJob};
 use serde::de::DeserializeOwned;
+use serde::ser::Error;
 use serde::{Deserialize, Serialize};
 
 /// Version of everything in this module. In version 1 there were evolutions alone, and their names for some fields.
@@ -50,6 +51,18 @@ impl State {
     }
 }
 
+impl From<State> for umwelt_api::evolution::State {
+    fn from(state: State) -> Self {
+        match state {
+            State::Queued => Self::Queued,
+            State::Running => Self::Running,
+            State::Succeeded => Self::Succeeded,
+            State::Failed => Self::Failed,
+            State::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
 /// How far a job has got, as far as that is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
@@ -83,7 +96,7 @@ pub(crate) struct Record<W: Work> {
     pub(crate) created_unix: u64,
     pub(crate) settings: W::Settings,
     #[serde(alias = "prior")]
-    pub(crate) claim: W::Claim,
+    pub(crate) own: W::Own,
     /// The key under which it was submitted, if any.
     pub(crate) key: Option<String>,
     /// Hash of the request.
@@ -97,8 +110,15 @@ pub(crate) struct Record<W: Work> {
 
 impl<W: Work> Record<W> {
     /// As it is kept.
+    ///
+    /// # Errors
+    /// Where it would not be read back as it is: JSON has no infinity.
     pub(crate) fn stored(&self, id: JobId) -> Result<StoredJob, serde_json::Error> {
-        Ok(StoredJob { id, finished: self.state.has_ended(), body: write(self)? })
+        let body = write(self)?;
+        if Self::read(&body).as_ref() != Ok(self) {
+            return Err(serde_json::Error::custom("some number in it is infinite or none at all"));
+        }
+        Ok(StoredJob { id, finished: self.state.has_ended(), body })
     }
 
     /// What is kept.

@@ -37,7 +37,7 @@ impl Work for Toy {
     const KIND: JobKind = JobKind::Comparison;
     const STATE_VERSION: u32 = 1;
     type Settings = Wishes;
-    type Claim = ();
+    type Own = ();
     type Stage = usize;
     type Latest = u64;
     type Part = u64;

@@ -26,8 +26,8 @@ pub(crate) trait Work: Plain {
     const STATE_VERSION: u32;
     /// What it is told.
     type Settings: Plain;
-    /// What belongs to it from its submission to its end.
-    type Claim: Plain;
+    /// What is its own beside that: names that the server gives a meaning.
+    type Own: Plain;
     /// How far it has got.
     type Stage: Plain + Copy;
     /// What is shown of the batches so far beyond the stage.

@@ -1,19 +1,21 @@
 //! Evolutions: submitted, their generations and figures, and what is theirs alone of what all jobs have.
 
-use super::jobs::{Resource, idempotency_key, parts, submitted};
+use super::jobs::{
+    Resource, drawn, figure as figure_of, idempotency_key, parts, repeated, submitted,
+};
 use super::page::{self, Query};
 use crate::answer;
 use crate::app::App;
 use crate::etag;
 use crate::evolution::claim;
 use crate::extract::{Body, Named};
-use crate::failure::{self, Failure, Result};
+use crate::failure::{Failure, Result};
 use crate::figures::evolution::{Figure, svg};
 use crate::fleet::to_the_end;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use axum::extract::{Path, State};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::{IntoResponse, sse};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::sse;
 use serde::Serialize;
 use std::collections::HashMap;
 use umwelt_api::EvolutionId;
@@ -34,10 +36,8 @@ pub(crate) async fn submit(
         // Until it is queued, nobody takes the name that its champion is to have.
         let _changing = app.priors.changing().await;
         let mut submitting = app.evolutions.submitting().await;
-        if let (Some(key), Ok(request)) = (&key, Request::read(&body))
-            && let Some(job) = submitting.repeated(key, &etag::of(&request))?
-        {
-            return Ok(submitted(StatusCode::OK, &job));
+        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body))? {
+            return Ok(answer);
         }
         let known = |name: &str| app.environments.known(name);
         let (request, settings) = Request::read_known(&body, known)?;
@@ -56,8 +56,7 @@ pub(crate) async fn generations(
     query: Query<page::Generations>,
 ) -> Result {
     let from = query.after.map_or(0, |after| after.saturating_add(1));
-    let bred = parts(&app, &job, from, query.size + 1).await?;
-    let shown: Vec<_> = bred.iter().map(Generation::from).collect();
+    let shown = parts(&app, &job, from, query.size + 1, |bred| Generation::from(bred)).await?;
     let (generations, next_page_token) =
         page::cut(shown, query.size, |generation| generation.index.to_string());
     Ok(answer::json(StatusCode::OK, &GenerationsPage { generations, next_page_token }))
@@ -68,31 +67,23 @@ pub(crate) async fn figure(
     Named(job): Named<Evolution>,
     Path(path): Path<HashMap<String, String>>,
 ) -> Result {
-    let name = path.get("figure").map(String::as_str).unwrap_or_default();
-    let Some(figure) = Figure::named(name) else {
-        let known = Figure::ALL.map(Figure::name).join(", ");
-        let detail =
-            Detail::new(reason::NO_SUCH_RESOURCE, "figure", name, format!("known: {known}"));
-        return Err(Failure::new(Status::NotFound, "there is no such figure").with(detail));
-    };
-    let generations = parts(&app, &job, 0, usize::MAX).await?;
+    let figure = figure_of(&path, Figure::named, &Figure::ALL.map(Figure::name))?;
+    let generations = parts(&app, &job, 0, usize::MAX, Clone::clone).await?;
     if generations.is_empty() {
         let message = format!("no generation of {} has ended yet", job.id());
-        let detail = Detail::new(reason::NOTHING_YET, "figure", name, "ask again later");
+        let detail = Detail::new(reason::NOTHING_YET, "figure", figure.name(), "ask again later");
         return Err(Failure::new(Status::FailedPrecondition, message).with(detail));
     }
     let name = job.id().to_string();
-    let drawing = move || svg(figure, &name, &job.shown().record.settings, &generations);
-    let drawn = tokio::task::spawn_blocking(drawing).await;
-    let drawn = drawn.map_err(|error| failure::broken(&error))?;
-    let drawn = drawn.map_err(|error| failure::internal(error.to_string()))?;
-    Ok(([(header::CONTENT_TYPE, evolution::Figure::MEDIA_TYPE)], drawn).into_response())
+    drawn(evolution::Figure::MEDIA_TYPE, move || {
+        svg(figure, &name, &job.shown().record.settings, &generations)
+    })
+    .await
 }
 
 impl Resource for Evolution {
     type Id = EvolutionId;
     type Wire = evolution::Evolution;
-    type State = evolution::State;
 
     fn jobs(app: &App) -> &Jobs<Self> {
         &app.evolutions
@@ -123,7 +114,8 @@ impl Resource for Evolution {
         if shown.generations() <= told {
             return Some(Vec::new());
         }
-        let bred = match parts(app, job, usize::try_from(told).ok()?, AT_A_TIME).await {
+        let from = usize::try_from(told).ok()?;
+        let bred = match parts(app, job, from, AT_A_TIME, |bred| Generation::from(bred)).await {
             Ok(bred) if !bred.is_empty() => bred,
             // Forgotten meanwhile.
             Ok(_) => return None,
@@ -133,8 +125,8 @@ impl Resource for Evolution {
             }
         };
         let evolution = EvolutionId::numbered(job.id().number);
-        let news = bred.iter().map(|generation| {
-            let event = Event::generation(evolution.clone(), Generation::from(generation));
+        let news = bred.into_iter().map(|generation| {
+            let event = Event::generation(evolution.clone(), generation);
             (event.id, written(&event))
         });
         Some(news.collect())

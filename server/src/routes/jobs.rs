@@ -7,15 +7,17 @@ pub(crate) use events::events;
 use super::page::{self, Query};
 use crate::answer;
 use crate::app::App;
+use crate::etag;
 use crate::extract::Named;
-use crate::failure::{Failure, Result};
+use crate::failure::{self, Failure, Result};
 use crate::fleet::to_the_end;
-use crate::jobs::{Job, Jobs, Shown, State as Stands, Work, read_part};
+use crate::jobs::{Job, Jobs, Shown, Submitting, Work, read_part};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::response::{Response, sse};
+use axum::response::{IntoResponse, Response, sse};
 use serde::Serialize;
-use serde::de::DeserializeOwned;
+use std::collections::HashMap;
+use std::fmt::Display;
 use std::str::FromStr;
 use std::sync::Arc;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
@@ -27,14 +29,17 @@ pub(crate) trait Resource: Work {
     type Id: FromStr<Err = InvalidId> + AsRef<str> + Send;
     /// A job.
     type Wire: Serialize;
-    /// Where one stands.
-    type State: From<Stands> + PartialEq + DeserializeOwned + Send;
 
     /// All of the kind.
     fn jobs(app: &App) -> &Jobs<Self>;
 
     /// As the wire has it.
     fn wire(job: &Job<Self>) -> Self::Wire;
+
+    /// The same in a list.
+    fn listed(job: &Job<Self>) -> Self::Wire {
+        Self::wire(job)
+    }
 
     /// A page of a list.
     fn page(jobs: Vec<Self::Wire>, next_page_token: Option<String>) -> impl Serialize;
@@ -66,12 +71,11 @@ pub(crate) async fn list<W: Resource>(
     query: Query<page::Jobs<W>>,
 ) -> Response {
     let jobs = W::jobs(&app).below(query.after).into_iter();
-    let is_listed =
-        |job: &Arc<Job<W>>| query.state.as_ref().is_none_or(|state| *state == job.state().into());
+    let is_listed = |job: &Arc<Job<W>>| query.state.is_none_or(|state| state == job.state().into());
     let found = jobs.filter(is_listed).take(query.size + 1).collect();
     let (page, next_page_token) =
         page::cut(found, query.size, |job: &Arc<Job<W>>| job.id().number.to_string());
-    let jobs = page.iter().map(|job| W::wire(job)).collect();
+    let jobs = page.iter().map(|job| W::listed(job)).collect();
     answer::json(StatusCode::OK, &W::page(jobs, next_page_token))
 }
 
@@ -100,21 +104,63 @@ pub(super) fn submitted<W: Resource>(code: StatusCode, job: &Job<W>) -> Response
     response
 }
 
-/// Parts that are kept, from index `from` on, at most `limit`.
-pub(super) async fn parts<W: Work>(
+/// What `of` makes of the parts that are kept, from index `from` on, at most `limit`; off the async threads, since there
+/// may be some MB of them.
+pub(super) async fn parts<W: Work, T: Send + 'static>(
     app: &App,
     job: &Job<W>,
     from: usize,
     limit: usize,
-) -> Result<Vec<W::Part>, Failure> {
-    let kept = app.keeper.parts(job.id(), from, limit).await?;
-    let read = kept.iter().map(|part| {
-        read_part(&part.body).map_err(|error| {
-            let message = format!("part {} of {}: {error}", part.index, job.id());
-            Failure::new(Status::DataLoss, message)
-        })
-    });
-    read.collect()
+    of: impl Fn(&W::Part) -> T + Send + 'static,
+) -> Result<Vec<T>, Failure> {
+    let id = job.id();
+    let kept = app.keeper.parts(id, from, limit).await?;
+    let read = move || {
+        let read = kept.iter().map(|part| {
+            read_part(&part.body).map(|part| of(&part)).map_err(|error| {
+                let message = format!("part {} of {id}: {error}", part.index);
+                Failure::new(Status::DataLoss, message)
+            })
+        });
+        read.collect()
+    };
+    tokio::task::spawn_blocking(read).await.map_err(|error| failure::broken(&error))?
+}
+
+/// A figure drawn off the async threads.
+pub(super) async fn drawn<E: Display>(
+    media_type: &'static str,
+    draw: impl FnOnce() -> Result<String, E> + Send + 'static,
+) -> Result {
+    let draw = move || draw().map_err(|error| failure::internal(error.to_string()));
+    let drawn = tokio::task::spawn_blocking(draw).await;
+    let drawn = drawn.map_err(|error| failure::broken(&error))??;
+    Ok(([(header::CONTENT_TYPE, media_type)], drawn).into_response())
+}
+
+/// The figure of a path, one of those that `named` knows.
+pub(super) fn figure<F>(
+    path: &HashMap<String, String>,
+    named: impl Fn(&str) -> Option<F>,
+    known: &[&str],
+) -> Result<F, Failure> {
+    let name = path.get("figure").map(String::as_str).unwrap_or_default();
+    named(name).ok_or_else(|| {
+        let known = format!("known: {}", known.join(", "));
+        let detail = Detail::new(reason::NO_SUCH_RESOURCE, "figure", name, known);
+        Failure::new(Status::NotFound, "there is no such figure").with(detail)
+    })
+}
+
+/// The job that was submitted before with this key and request, if any.
+pub(super) fn repeated<W: Resource>(
+    submitting: &Submitting<'_, W>,
+    key: Option<&IdempotencyKey>,
+    request: Result<impl Serialize, Problems>,
+) -> Result<Option<Response>, Failure> {
+    let (Some(key), Ok(request)) = (key, request) else { return Ok(None) };
+    let job = submitting.repeated(key, &etag::of(&request))?;
+    Ok(job.map(|job| submitted(StatusCode::OK, &job)))
 }
 
 /// The key under which something is submitted.

@@ -1,5 +1,6 @@
 //! What the routes do, one file per resource.
 
+pub(crate) mod comparisons;
 pub(crate) mod control;
 pub(crate) mod environment;
 pub(crate) mod environments;

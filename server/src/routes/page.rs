@@ -62,7 +62,7 @@ pub(crate) struct Jobs<W>(PhantomData<W>);
 
 impl<W: Resource> Listed for Jobs<W> {
     type Token = u64;
-    type State = W::State;
+    type State = evolution::State;
     const STATES: Option<&'static str> = Some("queued, running, succeeded, failed or cancelled");
 }
 

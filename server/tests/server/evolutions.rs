@@ -51,7 +51,7 @@ impl Api {
     }
 }
 
-/// A follower of an evolution.
+/// A follower of an evolution or a comparison.
 pub(crate) struct Follower(Stream);
 
 impl Follower {
@@ -74,9 +74,9 @@ impl Follower {
         let event: Value = serde_json::from_str(field("data: ").unwrap()).unwrap();
         assert_eq!(field("event: ").unwrap(), event["type"]);
         let id = event["id"].to_string();
-        // A state has no id in the stream: whoever resumes behind it would miss generations.
-        let is_generation = event["type"] == "generation";
-        assert_eq!(field("id: "), is_generation.then_some(id.as_str()));
+        // An evolution's state has no id in the stream: whoever resumes behind it would miss generations.
+        let has_id = event["type"] == "generation" || event["comparison"].is_string();
+        assert_eq!(field("id: "), has_id.then_some(id.as_str()));
         Some(event)
     }
 
@@ -91,7 +91,7 @@ impl Follower {
     }
 
     /// All that is left of the stream.
-    async fn rest(&mut self) -> Vec<Value> {
+    pub(crate) async fn rest(&mut self) -> Vec<Value> {
         let mut events = Vec::new();
         while let Some(event) = self.next().await {
             events.push(event);
@@ -108,14 +108,14 @@ fn ids(events: &[Value]) -> Vec<u64> {
     generations(events).iter().map(|event| event["id"].as_u64().unwrap()).collect()
 }
 
-/// Waits for the end of an evolution and shows it then.
+/// Waits for the end of an evolution or a comparison and shows it then.
 pub(crate) async fn ended(api: &Api, path: &str) -> Value {
     Follower::open(api, path, None).await.rest().await;
     api.get(path).await.json()
 }
 
 /// A server on a real socket that is told to end.
-async fn serve_and_stop(store: Arc<dyn Store>, until: impl AsyncFnOnce(Api)) {
+pub(crate) async fn serve_and_stop(store: Arc<dyn Store>, until: impl AsyncFnOnce(Api)) {
     let server = Server::with_store(hurried(), store).await.unwrap();
     let api = Api(server.router());
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();

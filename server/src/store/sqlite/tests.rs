@@ -252,7 +252,7 @@ fn a_database_of_version_1_opens() {
 /// The bug to fear: the form of what robots learn changes under the same version, and all of them forget.
 #[test]
 fn the_form_of_what_was_learned_is_that_of_its_version() {
-    let (version, example) = (2, include_str!("saved-example.json").trim_end());
+    let (version, example) = (3, include_str!("saved-example.json").trim_end());
     assert_eq!(version, STATE_VERSION, "put the new form into saved-example.json");
     let saved = document::saved(example).unwrap_or_else(|why| panic!("raise STATE_VERSION: {why}"));
     assert_eq!(saved.belief().link.estimate().samples, 2);
