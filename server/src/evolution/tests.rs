@@ -1,7 +1,7 @@
 //! What is kept of evolutions.
 
 use super::*;
-use crate::jobs::{Checkpoint, Unreadable};
+use crate::jobs::{Checkpoint, State, Unreadable};
 
 type Kept = Checkpoint<Evolution>;
 
@@ -37,4 +37,28 @@ fn another_version_is_told_from_damage() {
     {
         assert!(matches!(Kept::read(damaged), Err(Unreadable::Damaged(_))), "{damaged}");
     }
+}
+
+/// The bug to fear: JSON has no infinity, so what was acknowledged could never be read again.
+#[test]
+fn a_record_that_would_not_be_read_back_is_refused() {
+    let checkpoint = checkpoint();
+    let mut record = Record {
+        state: State::Queued,
+        interrupted: 0,
+        created_unix: 1,
+        settings: checkpoint.work.settings().clone(),
+        own: "meadow".parse().unwrap(),
+        key: None,
+        request: "hash".to_owned(),
+        error: None,
+        report: None,
+        reached: checkpoint.reached(),
+    };
+    let id = JobId { kind: JobKind::Evolution, number: 3 };
+    let stored = record.stored(id).unwrap();
+    assert_eq!(Record::read(&stored.body).as_ref(), Ok(&record));
+    assert!(!stored.finished);
+    record.reached.elapsed = f64::INFINITY;
+    assert!(record.stored(id).is_err());
 }
