@@ -1,14 +1,16 @@
 //! What every route can reach.
 
 use crate::config::Config;
-use crate::evolution::Evolutions;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
+use crate::jobs::Jobs;
 use crate::priors::Priors;
 use crate::store::Keeper;
 use crate::training::Environments;
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
+use umwelt_core::comparison::Comparison;
+use umwelt_core::evolution::Evolution;
 
 /// What every route can reach; cheap to clone.
 #[derive(Clone)]
@@ -19,7 +21,8 @@ pub(crate) struct App {
     pub(crate) feed: Feed,
     pub(crate) priors: Priors,
     pub(crate) environments: Environments,
-    pub(crate) evolutions: Evolutions,
+    pub(crate) evolutions: Jobs<Evolution>,
+    pub(crate) comparisons: Jobs<Comparison>,
     /// One permit per event stream.
     pub(crate) streams: Arc<Semaphore>,
     /// Set when event streams are to end, since they would outlast any shutdown.
@@ -34,12 +37,14 @@ pub(crate) struct Parts {
     pub(crate) feed: Feed,
     pub(crate) priors: Priors,
     pub(crate) environments: Environments,
-    pub(crate) evolutions: Evolutions,
+    pub(crate) evolutions: Jobs<Evolution>,
+    pub(crate) comparisons: Jobs<Comparison>,
 }
 
 impl App {
     pub(crate) fn new(parts: Parts) -> Self {
-        let Parts { config, keeper, fleet, feed, priors, environments, evolutions } = parts;
+        let Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons } =
+            parts;
         Self {
             streams: Arc::new(Semaphore::new(config.max_event_streams.min(Semaphore::MAX_PERMITS))),
             closing: Arc::default(),
@@ -50,6 +55,7 @@ impl App {
             priors,
             environments,
             evolutions,
+            comparisons,
         }
     }
 }

@@ -1,12 +1,15 @@
 //! The command line of `umwelt-server`; each flag has an environment variable, and the flag wins.
 
+mod compare;
 mod evolve;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use compare::Compare;
 use evolve::Evolve;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
+use umwelt_api::{comparison, evolution};
 use umwelt_server::offline::Order;
 use umwelt_server::{Config, Priority};
 
@@ -19,7 +22,7 @@ const DATA: &str = "umwelt-data";
 /// JSON over HTTP/1.1 and HTTP/2 (prior knowledge); GET /openapi.json is the contract.
 ///
 /// The first line on standard output says where the server listens; logs go to standard error.
-/// Robots, tasks, what they learned, priors and evolutions are kept in the data directory and found again there;
+/// Robots, tasks, what they learned, priors, evolutions and comparisons are kept in the data directory and found again there;
 /// what is acknowledged is on the disk. One server at a time uses a directory.
 /// SIGTERM and SIGINT stop every robot, then the server.
 ///
@@ -43,6 +46,12 @@ enum Command {
     /// Exit status: 0, 1 if it failed, 2 if the call was wrong.
     #[command(verbatim_doc_comment)]
     Evolve(Box<Evolve>),
+    /// Compare methods of control, without a server.
+    ///
+    /// The result goes to standard output, progress to standard error.
+    /// Exit status: 0, 1 if it failed, 2 if the call was wrong.
+    #[command(verbatim_doc_comment)]
+    Compare(Box<Compare>),
     /// Write everything in a data directory to a file, while a server may be using it.
     ///
     /// The file is a data file itself. To use it: name it umwelt.sqlite, put it alone into a directory, and start
@@ -68,7 +77,9 @@ pub(crate) enum Task {
     /// Serve.
     Serve(Box<Serve>),
     /// Evolve a prior.
-    Evolve(Box<Order>),
+    Evolve(Box<Order<evolution::Request>>),
+    /// Compare methods.
+    Compare(Box<Order<comparison::Request>>),
     /// Write a backup.
     Backup(Backup),
 }
@@ -91,10 +102,16 @@ pub(crate) struct Serve {
     /// Most evolutions that wait for their turn; one runs at a time.
     #[arg(long, env = "UMWELT_MAX_QUEUED_EVOLUTIONS", value_name = "N", default_value_t = Config::default().max_queued_evolutions)]
     max_queued_evolutions: usize,
-    /// Threads for evolutions; all cores where none are said. They run where nothing else wants to.
+    /// Most comparisons to keep that have ended; the oldest go first.
+    #[arg(long, env = "UMWELT_KEEP_COMPARISONS", value_name = "N", default_value_t = Config::default().keep_comparisons)]
+    keep_comparisons: usize,
+    /// Most comparisons that wait for their turn; one runs at a time.
+    #[arg(long, env = "UMWELT_MAX_QUEUED_COMPARISONS", value_name = "N", default_value_t = Config::default().max_queued_comparisons)]
+    max_queued_comparisons: usize,
+    /// Threads for evolutions and comparisons; all cores where none are said. They run where nothing else wants to.
     #[arg(long, env = "UMWELT_EVOLUTION_THREADS", value_name = "N", value_parser = threads)]
     evolution_threads: Option<usize>,
-    /// Priority of these threads; at the normal one evolutions delay the control of robots.
+    /// Priority of these threads; at the normal one they delay the control of robots.
     #[arg(long, env = "UMWELT_EVOLUTION_PRIORITY", value_enum, default_value = "lowest")]
     evolution_priority: EvolutionPriority,
     /// What to log: error, warn, info, debug, trace, or per module as in `info,umwelt_server=debug`.
@@ -134,6 +151,7 @@ impl Arguments {
     pub(crate) fn task(self) -> Task {
         match self.command {
             Some(Command::Evolve(evolve)) => Task::Evolve(Box::new(evolve.order())),
+            Some(Command::Compare(compare)) => Task::Compare(Box::new(compare.order())),
             Some(Command::Backup(backup)) => Task::Backup(backup),
             Some(Command::Serve(serve)) => Task::Serve(Box::new(serve)),
             None => Task::Serve(Box::new(self.serve)),
@@ -149,6 +167,8 @@ impl Serve {
             data: (!self.in_memory).then(|| self.data.clone()),
             keep_evolutions: self.keep_evolutions,
             max_queued_evolutions: self.max_queued_evolutions,
+            keep_comparisons: self.keep_comparisons,
+            max_queued_comparisons: self.max_queued_comparisons,
             evolution_threads: self.evolution_threads,
             evolution_priority: match self.evolution_priority {
                 EvolutionPriority::Lowest => Priority::Lowest,
@@ -198,7 +218,7 @@ mod tests {
         let all = std::iter::once(&"umwelt-server").chain(arguments);
         match Arguments::try_parse_from(all).ok()?.task() {
             Task::Serve(serve) => Some(serve.config()),
-            Task::Evolve(_) | Task::Backup(_) => None,
+            Task::Evolve(_) | Task::Compare(_) | Task::Backup(_) => None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! What can be set about a server.
 
-use crate::evolution::Priority;
+use crate::jobs::Priority;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -17,8 +17,13 @@ pub struct Config {
     pub keep_evolutions: usize,
     /// Evolutions that may wait for their turn.
     pub max_queued_evolutions: usize,
-    /// Threads for evolutions, of lowest priority; all cores where none are said. What comes of an evolution does not
-    /// depend on them.
+    /// Comparisons that have ended and are kept; the oldest go first. Each may hold some 20 MB, nearly all of it on the
+    /// disk.
+    pub keep_comparisons: usize,
+    /// Comparisons that may wait for their turn.
+    pub max_queued_comparisons: usize,
+    /// Threads for evolutions and comparisons, of lowest priority; all cores where none are said. What comes of them does
+    /// not depend on that.
     pub evolution_threads: Option<usize>,
     /// How these threads stand beside all others: at the lowest priority they do not disturb the control of robots, and
     /// do not go on either where other programs keep all cores busy.
@@ -53,6 +58,8 @@ impl Default for Config {
             data: None,
             keep_evolutions: 200,
             max_queued_evolutions: 16,
+            keep_comparisons: 50,
+            max_queued_comparisons: 16,
             evolution_threads: None,
             evolution_priority: Priority::default(),
             max_robots: 1000,

@@ -1,9 +1,10 @@
 //! What routes take out of a request, each checked once and refused in the one error body.
 
 use crate::app::App;
-use crate::evolution::Job;
 use crate::failure::{self, Failure};
+use crate::jobs::Job;
 use crate::robot::Robot;
+use crate::routes::jobs::Resource;
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::{HeaderMap, StatusCode, header, request::Parts};
 use bytes::Bytes;
@@ -47,16 +48,17 @@ impl<S: Send + Sync> FromRequestParts<S> for Environment {
     }
 }
 
-/// The evolution that a path names.
-pub(crate) struct Evolution(pub(crate) Arc<Job>);
+/// The job that a path names: the `{evolution}` of `/v1/evolutions/{evolution}`.
+pub(crate) struct Named<W: Resource>(pub(crate) Arc<Job<W>>);
 
-impl FromRequestParts<App> for Evolution {
+impl<W: Resource> FromRequestParts<App> for Named<W> {
     type Rejection = Failure;
 
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Failure> {
-        let id = named(parts, app, "evolution").await?;
-        let found = app.evolutions.find(&id).map(Self);
-        found.ok_or_else(|| failure::no_such("evolution", id.as_str()))
+        let kind = W::KIND.name();
+        let id: W::Id = named(parts, app, kind).await?;
+        let found = W::jobs(app).find(id.as_ref()).map(Self);
+        found.ok_or_else(|| failure::no_such(kind, id.as_ref()))
     }
 }
 

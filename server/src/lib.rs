@@ -36,6 +36,8 @@ mod failure;
 mod feed;
 mod figures;
 mod fleet;
+mod jobs;
+pub mod offline;
 mod priors;
 mod robot;
 mod router;
@@ -45,6 +47,6 @@ pub mod store;
 mod training;
 
 pub use config::Config;
-pub use evolution::{Priority, offline};
+pub use jobs::Priority;
 pub use serve::Server;
 pub use store::Store;

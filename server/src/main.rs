@@ -21,7 +21,8 @@ const WRONG_CALL: u8 = 2;
 fn main() -> ExitCode {
     match Arguments::parse().task() {
         Task::Serve(arguments) => run(&arguments),
-        Task::Evolve(order) => evolve(&order),
+        Task::Evolve(order) => said(offline::evolve(&order, &mut std::io::stdout().lock())),
+        Task::Compare(order) => said(offline::compare(&order, &mut std::io::stdout().lock())),
         Task::Backup(backup) => back_up(&backup),
     }
 }
@@ -59,10 +60,9 @@ fn back_up(Backup { file, data }: &Backup) -> ExitCode {
     }
 }
 
-fn evolve(order: &offline::Order) -> ExitCode {
-    let Err(error) = offline::evolve(order, &mut std::io::stdout().lock()) else {
-        return ExitCode::SUCCESS;
-    };
+/// How the program ends after something that was done without a server.
+fn said(done: Result<(), offline::Error>) -> ExitCode {
+    let Err(error) = done else { return ExitCode::SUCCESS };
     // Nobody may read it; the exit status says it too.
     let mut output = std::io::stderr().lock();
     let _ = writeln!(output, "error: {error}");

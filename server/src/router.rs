@@ -4,7 +4,8 @@ use crate::app::App;
 use crate::deadline;
 use crate::failure::{self, Failure};
 use crate::routes::{
-    control, environment, environments, events, evolutions, priors, robots, server, tasks,
+    comparisons, control, environment, environments, events, evolutions, jobs, priors, robots,
+    server, tasks,
 };
 use axum::Router;
 use axum::extract::Request;
@@ -16,6 +17,8 @@ use std::any::Any;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::trace::TraceLayer;
 use umwelt_api::problem::{Detail, Status, reason};
+use umwelt_core::comparison::Comparison;
+use umwelt_core::evolution::Evolution;
 
 /// The routes of `app`.
 pub(crate) fn router(app: App) -> Router {
@@ -44,12 +47,25 @@ pub(crate) fn router(app: App) -> Router {
             put(environments::put).get(environments::get).delete(environments::delete),
         )
         // Evolutions: priors searched for in the background
-        .route("/v1/evolutions", post(evolutions::submit).get(evolutions::list))
-        .route("/v1/evolutions/{evolution}", get(evolutions::get).delete(evolutions::delete))
-        .route("/v1/evolutions/{evolution}/cancel", post(evolutions::cancel))
+        .route("/v1/evolutions", post(evolutions::submit).get(jobs::list::<Evolution>))
+        .route(
+            "/v1/evolutions/{evolution}",
+            get(jobs::get::<Evolution>).delete(jobs::delete::<Evolution>),
+        )
+        .route("/v1/evolutions/{evolution}/cancel", post(jobs::cancel::<Evolution>))
         .route("/v1/evolutions/{evolution}/generations", get(evolutions::generations))
-        .route("/v1/evolutions/{evolution}/events", get(evolutions::events))
+        .route("/v1/evolutions/{evolution}/events", get(jobs::events::<Evolution>))
         .route("/v1/evolutions/{evolution}/figures/{figure}", get(evolutions::figure))
+        // Comparisons: methods on the same seeds, in the background
+        .route("/v1/comparisons", post(comparisons::submit).get(jobs::list::<Comparison>))
+        .route(
+            "/v1/comparisons/{comparison}",
+            get(jobs::get::<Comparison>).delete(jobs::delete::<Comparison>),
+        )
+        .route("/v1/comparisons/{comparison}/cancel", post(jobs::cancel::<Comparison>))
+        .route("/v1/comparisons/{comparison}/events", get(jobs::events::<Comparison>))
+        .route("/v1/comparisons/{comparison}/figures/{figure}", get(comparisons::figure))
+        .route("/v1/comparisons/{comparison}/trials.csv", get(comparisons::trials))
         // What happens
         .route("/v1/robots/{robot}/events", get(events::of_robot))
         .route("/v1/events", get(events::of_all))

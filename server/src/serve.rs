@@ -3,10 +3,10 @@
 use crate::app::{App, Parts};
 use crate::config::Config;
 use crate::connection;
-use crate::evolution::{Evolutions, Pool};
 use crate::failure;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
+use crate::jobs::{Jobs, Limits, Pool};
 use crate::priors::Priors;
 use crate::robot::Common;
 use crate::router::router;
@@ -69,16 +69,20 @@ impl Server {
         })?;
         let address = listener.local_addr()?;
         let feed = Feed::new();
-        let pool = Pool::new(config.evolution_threads, config.evolution_priority)?;
+        let pool = Arc::new(Pool::new(config.evolution_threads, config.evolution_priority)?);
         let priors = Priors::open(contents.priors.clone());
         let environments = Environments::open(&contents.environments);
-        let limits = (config.max_queued_evolutions, config.keep_evolutions);
+        let limits = Limits { queued: config.max_queued_evolutions, kept: config.keep_evolutions };
         let evolutions =
-            Evolutions::open(limits, pool, keeper.clone(), priors.clone(), &contents).await?;
+            Jobs::open(limits, pool.clone(), keeper.clone(), priors.clone(), &contents).await?;
+        let limits =
+            Limits { queued: config.max_queued_comparisons, kept: config.keep_comparisons };
+        let comparisons = Jobs::open(limits, pool, keeper.clone(), (), &contents).await?;
         let lost_after = config.lost_after;
         let common = Common { lost_after, feed: feed.clone(), priors: priors.clone() };
         let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots);
-        let parts = Parts { config, keeper, fleet, feed, priors, environments, evolutions };
+        let parts =
+            Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons };
         let app = App::new(parts);
         Ok(Self { router: router(app.clone()), app, listener, address })
     }
@@ -109,6 +113,7 @@ impl Server {
         tracing::info!("shutting down: robots are told to rest");
         // What runs goes on after the restart; the robots that are told to rest need the cores now.
         app.evolutions.close();
+        app.comparisons.close();
         tokio::select! {
             () = door.accept(&listener) => {}
             drained = tokio::time::timeout(app.config.drain, app.fleet.drain()) => {
@@ -128,10 +133,9 @@ impl Server {
         if tokio::time::timeout(app.config.close, door.graceful.shutdown()).await.is_err() {
             tracing::warn!("some connections did not end in time");
         }
-        if tokio::time::timeout(app.config.close, app.evolutions.closed()).await.is_err() {
-            tracing::warn!(
-                "an evolution did not stop in time; it goes on from its last generation"
-            );
+        let jobs = async { tokio::join!(app.evolutions.closed(), app.comparisons.closed()) };
+        if tokio::time::timeout(app.config.close, jobs).await.is_err() {
+            tracing::warn!("a job did not stop in time; it goes on from its last checkpoint");
         }
         if tokio::time::timeout(app.config.close, app.keeper.settle()).await.is_err() {
             tracing::warn!("the store does not answer; what it has acknowledged is kept");

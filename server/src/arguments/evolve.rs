@@ -75,7 +75,7 @@ enum Optimizer {
 
 impl Evolve {
     /// What that means.
-    pub(crate) fn order(self) -> Order {
+    pub(crate) fn order(self) -> Order<Request> {
         let preset = match self.preset {
             Preset::Default => evolution::Preset::Default,
             Preset::Thesis => evolution::Preset::Thesis,

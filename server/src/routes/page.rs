@@ -1,9 +1,11 @@
 //! Which part of a list to show: the query, every part of it checked at once.
 
+use super::jobs::Resource;
 use crate::failure::Failure;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
+use std::marker::PhantomData;
 use std::str::FromStr;
 use umwelt_api::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, PageQuery};
 use umwelt_api::problem::{Detail, Problems, Status, reason};
@@ -55,10 +57,10 @@ impl Listed for Environments {
     const MAX_SIZE: u64 = training::MAX_PAGE_SIZE;
 }
 
-/// Evolutions by their numbers, the newest first.
-pub(crate) struct Evolutions;
+/// Jobs of a kind by their numbers, the newest first.
+pub(crate) struct Jobs<W>(PhantomData<W>);
 
-impl Listed for Evolutions {
+impl<W: Resource> Listed for Jobs<W> {
     type Token = u64;
     type State = evolution::State;
     const STATES: Option<&'static str> = Some("queued, running, succeeded, failed or cancelled");

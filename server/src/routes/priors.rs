@@ -5,6 +5,7 @@ use super::robots::code;
 use crate::answer;
 use crate::app::App;
 use crate::condition::Condition;
+use crate::evolution::claimant;
 use crate::extract::{Body, Prior};
 use crate::failure::{self, Failure, Result};
 use crate::fleet::{Put, to_the_end};
@@ -99,7 +100,7 @@ fn check_own(app: &App, id: &PriorId) -> Result<(), Failure> {
         let detail = Detail::new(reason::BUILT_IN, "prior", id.as_str(), "use another name");
         return Err(Failure::new(Status::FailedPrecondition, message).with(detail));
     }
-    if let Some(evolution) = app.evolutions.reserves(id) {
+    if let Some(evolution) = claimant(&app.evolutions, id) {
         let message = format!("{evolution} will give its champion the name {id}");
         let remedy = "use another name, or cancel that evolution";
         let detail = Detail::new(reason::NAME_TAKEN, "prior", id.as_str(), remedy);

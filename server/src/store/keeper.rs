@@ -1,6 +1,6 @@
 //! The way to the store for the async part of the server: calls off its threads, and whether the store works.
 
-use super::{Change, Contents, Generation, Store, StoreError};
+use super::{Change, Contents, JobId, Part, Store, StoreError};
 use crate::failure::{self, Failure};
 use std::sync::Arc;
 use std::time::Duration;
@@ -38,28 +38,26 @@ impl Keeper {
         self.write(move |store| store.commit(changes)).await
     }
 
-    /// Everything that is kept but generations and checkpoints.
+    /// Everything that is kept but parts and checkpoints.
     pub(crate) async fn load(&self) -> Result<Contents, StoreError> {
         let store = Arc::clone(&self.0.store);
         let loaded = tokio::task::spawn_blocking(move || store.load()).await;
         loaded.unwrap_or_else(|error| Err(StoreError::Damaged(error.to_string())))
     }
 
-    /// The generations of an evolution from index `from` on, at most `limit`.
-    pub(crate) async fn generations(
+    /// The parts of a job from index `from` on, at most `limit`.
+    pub(crate) async fn parts(
         &self,
-        evolution: &str,
+        job: JobId,
         from: usize,
         limit: usize,
-    ) -> Result<Vec<Generation>, Failure> {
-        let evolution = evolution.to_owned();
-        self.read(move |store| store.generations(&evolution, from, limit)).await
+    ) -> Result<Vec<Part>, Failure> {
+        self.read(move |store| store.parts(job, from, limit)).await
     }
 
-    /// The checkpoint of an evolution.
-    pub(crate) async fn checkpoint(&self, evolution: &str) -> Result<Option<String>, Failure> {
-        let evolution = evolution.to_owned();
-        self.read(move |store| store.checkpoint(&evolution)).await
+    /// The checkpoint of a job.
+    pub(crate) async fn checkpoint(&self, job: JobId) -> Result<Option<String>, Failure> {
+        self.read(move |store| store.checkpoint(job)).await
     }
 
     /// Tries whether the store works where that is not known since `idle`, or where it did not.

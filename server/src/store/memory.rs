@@ -1,8 +1,8 @@
 //! A store that lasts as long as the process.
 
 use super::{
-    Change, Contents, Generation, Posterior, Record, Store, StoreError, StoredEnvironment,
-    StoredEvolution, StoredPrior, StoredRobot,
+    Change, Contents, JobId, JobKind, Part, Posterior, Record, Store, StoreError,
+    StoredEnvironment, StoredJob, StoredPrior, StoredRobot,
 };
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -17,14 +17,14 @@ struct Kept {
     robots: BTreeMap<RobotId, (Record, Option<Posterior>)>,
     priors: BTreeMap<String, StoredPrior>,
     environments: BTreeMap<String, StoredEnvironment>,
-    evolutions: BTreeMap<String, Evolution>,
-    last_evolution: u64,
+    jobs: BTreeMap<JobId, Job>,
+    last_numbers: BTreeMap<JobKind, u64>,
 }
 
 #[derive(Debug)]
-struct Evolution {
-    stored: StoredEvolution,
-    generations: BTreeMap<usize, String>,
+struct Job {
+    stored: StoredJob,
+    parts: BTreeMap<usize, String>,
     checkpoint: Option<String>,
 }
 
@@ -48,35 +48,25 @@ impl Store for MemoryStore {
             let saved = posterior.as_ref().map(|posterior| posterior.saved.clone());
             StoredRobot { id: id.clone(), record: record.clone(), saved }
         };
-        let evolutions = kept.evolutions.values().map(|evolution| evolution.stored.clone());
-        let mut evolutions: Vec<_> = evolutions.collect();
-        evolutions.sort_by_key(|evolution| evolution.number);
         Ok(Contents {
             robots: kept.robots.iter().map(robot).collect(),
             priors: kept.priors.values().cloned().collect(),
             environments: kept.environments.values().cloned().collect(),
-            evolutions,
-            last_evolution: kept.last_evolution,
+            // A kind has its place in the order of ids, and so has a number.
+            jobs: kept.jobs.values().map(|job| job.stored.clone()).collect(),
+            last_numbers: kept.last_numbers.clone(),
         })
     }
 
-    fn generations(
-        &self,
-        evolution: &str,
-        from: usize,
-        limit: usize,
-    ) -> Result<Vec<Generation>, StoreError> {
+    fn parts(&self, job: JobId, from: usize, limit: usize) -> Result<Vec<Part>, StoreError> {
         let kept = self.kept();
-        let generations = kept.evolutions.get(evolution).map(|evolution| &evolution.generations);
-        let generations = generations.into_iter().flat_map(|generations| generations.range(from..));
-        let generation =
-            |(&index, body): (&usize, &String)| Generation { index, body: body.clone() };
-        Ok(generations.take(limit).map(generation).collect())
+        let parts = kept.jobs.get(&job).into_iter().flat_map(|job| job.parts.range(from..));
+        let part = |(&index, body): (&usize, &String)| Part { index, body: body.clone() };
+        Ok(parts.take(limit).map(part).collect())
     }
 
-    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
-        let kept = self.kept();
-        Ok(kept.evolutions.get(evolution).and_then(|evolution| evolution.checkpoint.clone()))
+    fn checkpoint(&self, job: JobId) -> Result<Option<String>, StoreError> {
+        Ok(self.kept().jobs.get(&job).and_then(|job| job.checkpoint.clone()))
     }
 }
 
@@ -102,31 +92,32 @@ impl Kept {
                 self.environments.insert(environment.name.clone(), environment);
             }
             Change::DeleteEnvironment(name) => drop(self.environments.remove(&name)),
-            Change::PutEvolution(stored) => {
-                self.last_evolution = self.last_evolution.max(stored.number);
-                let id = stored.id.clone();
-                match self.evolutions.get_mut(&id) {
-                    Some(evolution) => evolution.stored = stored,
+            Change::PutJob(stored) => {
+                let JobId { kind, number } = stored.id;
+                let last = self.last_numbers.entry(kind).or_default();
+                *last = number.max(*last);
+                match self.jobs.get_mut(&stored.id) {
+                    Some(job) => job.stored = stored,
                     None => {
-                        let (generations, checkpoint) = (BTreeMap::new(), None);
-                        self.evolutions.insert(id, Evolution { stored, generations, checkpoint });
+                        let (id, parts, checkpoint) = (stored.id, BTreeMap::new(), None);
+                        self.jobs.insert(id, Job { stored, parts, checkpoint });
                     }
                 }
             }
-            Change::DeleteEvolution(id) => drop(self.evolutions.remove(&id)),
-            Change::PutGeneration { evolution, index, body } => {
-                if let Some(evolution) = self.evolutions.get_mut(&evolution) {
-                    evolution.generations.insert(index, body);
+            Change::DeleteJob(id) => drop(self.jobs.remove(&id)),
+            Change::PutPart { job, index, body } => {
+                if let Some(job) = self.jobs.get_mut(&job) {
+                    job.parts.insert(index, body);
                 }
             }
-            Change::PutCheckpoint { evolution, body } => {
-                if let Some(evolution) = self.evolutions.get_mut(&evolution) {
-                    evolution.checkpoint = Some(body);
+            Change::PutCheckpoint { job, body } => {
+                if let Some(job) = self.jobs.get_mut(&job) {
+                    job.checkpoint = Some(body);
                 }
             }
-            Change::DeleteCheckpoint(id) => {
-                if let Some(evolution) = self.evolutions.get_mut(&id) {
-                    evolution.checkpoint = None;
+            Change::DeleteCheckpoint(job) => {
+                if let Some(job) = self.jobs.get_mut(&job) {
+                    job.checkpoint = None;
                 }
             }
         }

@@ -1,6 +1,7 @@
-//! What must outlive the process: robots with their tasks and what they learned, priors, environments, evolutions.
+//! What must outlive the process: robots with their tasks and what they learned, priors, environments, jobs.
 //!
-//! The server holds all of it but generations and checkpoints in memory, so a store is read once, at the start, and
+//! A job is something that the server does in the background: its record, the parts that it leaves behind one by one,
+//! and the checkpoint from which it goes on. The server holds all of it but parts and checkpoints in memory, so a store is read once, at the start, and
 //! written on every change that is acknowledged. Calls may block; the server makes them off its async threads
 //! (`keeper`). The form in which things are stored belongs to the store.
 
@@ -12,8 +13,8 @@ mod sqlite;
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
 pub use record::{
-    Contents, Generation, Posterior, PriorSource, Record, StoredEnvironment, StoredEvolution,
-    StoredPrior, StoredRobot, prune,
+    Contents, JobId, JobKind, Part, Posterior, PriorSource, Record, StoredEnvironment, StoredJob,
+    StoredPrior, StoredRobot,
 };
 
 pub use sqlite::{Backup, BackupError, DATA_FILE, LOCK_FILE, OpenError, SqliteStore, backup};
@@ -53,30 +54,29 @@ pub enum Change {
     PutEnvironment(StoredEnvironment),
     /// Forgets an environment; nothing where it is not kept.
     DeleteEnvironment(String),
-    /// Keeps an evolution, in place of the one of that id; its generations and its checkpoint stay. Its number counts
-    /// as used from then on, even when it is forgotten again: [`Contents::last_evolution`].
-    PutEvolution(StoredEvolution),
-    /// Forgets an evolution with its generations and its checkpoint; nothing where it is not kept.
-    DeleteEvolution(String),
-    /// Keeps one generation of an evolution, in place of the one of that index; nothing where the evolution is not
-    /// kept.
-    PutGeneration {
-        /// Id of the evolution.
-        evolution: String,
+    /// Keeps a job, in place of the one of that id; its parts and its checkpoint stay. Its number counts as used from
+    /// then on, even when it is forgotten again: [`Contents::last_number`].
+    PutJob(StoredJob),
+    /// Forgets a job with its parts and its checkpoint; nothing where it is not kept.
+    DeleteJob(JobId),
+    /// Keeps one part of a job, in place of the one of that index; nothing where the job is not kept.
+    PutPart {
+        /// The job.
+        job: JobId,
         /// Which one.
         index: usize,
         /// JSON, of which the store knows nothing.
         body: String,
     },
-    /// Keeps the checkpoint of an evolution, in place of the one before; nothing where the evolution is not kept.
+    /// Keeps the checkpoint of a job, in place of the one before; nothing where the job is not kept.
     PutCheckpoint {
-        /// Id of the evolution.
-        evolution: String,
+        /// The job.
+        job: JobId,
         /// JSON, of which the store knows nothing.
         body: String,
     },
-    /// Forgets the checkpoint of an evolution; nothing where there is none.
-    DeleteCheckpoint(String),
+    /// Forgets the checkpoint of a job; nothing where there is none.
+    DeleteCheckpoint(JobId),
 }
 
 /// Keeps what must outlive the process. A call that returns `Ok` has taken full effect, one that fails has taken none.
@@ -88,28 +88,23 @@ pub trait Store: Send + Sync + 'static {
     /// Where they cannot be made; everything stays as it was.
     fn commit(&self, changes: Vec<Change>) -> Result<(), StoreError>;
 
-    /// Everything that is kept but generations and checkpoints.
+    /// Everything that is kept but parts and checkpoints.
     ///
     /// # Errors
     /// Where it cannot be read.
     fn load(&self) -> Result<Contents, StoreError>;
 
-    /// The generations of an evolution from index `from` on, at most `limit`, in order; none where it is not kept.
+    /// The parts of a job from index `from` on, at most `limit`, in order; none where it is not kept.
     ///
     /// # Errors
     /// Where they cannot be read.
-    fn generations(
-        &self,
-        evolution: &str,
-        from: usize,
-        limit: usize,
-    ) -> Result<Vec<Generation>, StoreError>;
+    fn parts(&self, job: JobId, from: usize, limit: usize) -> Result<Vec<Part>, StoreError>;
 
-    /// The checkpoint of an evolution.
+    /// The checkpoint of a job.
     ///
     /// # Errors
     /// Where it cannot be read.
-    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError>;
+    fn checkpoint(&self, job: JobId) -> Result<Option<String>, StoreError>;
 
     /// Whether something could be kept now: tries it as `commit` does, and changes nothing.
     ///

@@ -1,6 +1,7 @@
 //! What is kept, as the server sees it.
 
-use super::Change;
+use std::collections::BTreeMap;
+use std::fmt;
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
 use umwelt_core::controller::settings::{Prior, Settings};
@@ -82,29 +83,75 @@ pub struct StoredEnvironment {
     pub body: String,
 }
 
-/// An evolution.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StoredEvolution {
-    /// Its id.
-    pub id: String,
-    /// Its number: greater than that of every evolution before it, and never used again.
+/// What the server does in the background.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum JobKind {
+    /// A prior is searched for.
+    Evolution,
+    /// Methods are compared.
+    Comparison,
+}
+
+impl JobKind {
+    /// Every kind.
+    pub const ALL: [Self; 2] = [Self::Evolution, Self::Comparison];
+
+    /// Its name, in ids and on the disk.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Evolution => "evolution",
+            Self::Comparison => "comparison",
+        }
+    }
+
+    /// The kind of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+impl fmt::Display for JobKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Which job: shown as `evolution-12`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct JobId {
+    /// What it does.
+    pub kind: JobKind,
+    /// Its number: greater than that of every job of its kind before it, and never used again.
     pub number: u64,
-    /// Whether it has ended, in whatever way: such a one may be [pruned](prune).
+}
+
+impl fmt::Display for JobId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.kind, self.number)
+    }
+}
+
+/// A job.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredJob {
+    /// Which one.
+    pub id: JobId,
+    /// Whether it has ended, in whatever way.
     pub finished: bool,
     /// JSON, of which the store knows nothing.
     pub body: String,
 }
 
-/// One generation of an evolution.
+/// One part of a job: a generation of an evolution, a distribution of a comparison.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Generation {
+pub struct Part {
     /// Which one.
     pub index: usize,
     /// JSON, of which the store knows nothing.
     pub body: String,
 }
 
-/// Everything that is kept but generations and checkpoints.
+/// Everything that is kept but parts and checkpoints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
     /// Robots, in the order of their ids.
@@ -113,45 +160,20 @@ pub struct Contents {
     pub priors: Vec<StoredPrior>,
     /// Environments, in the order of their names.
     pub environments: Vec<StoredEnvironment>,
-    /// Evolutions, in the order of their numbers.
-    pub evolutions: Vec<StoredEvolution>,
-    /// Highest number that an evolution ever had; 0 before the first.
-    pub last_evolution: u64,
+    /// Jobs, kind by kind in the order of their numbers.
+    pub jobs: Vec<StoredJob>,
+    /// Highest number that a job of each kind ever had; a kind that never had one may be missing.
+    pub last_numbers: BTreeMap<JobKind, u64>,
 }
 
-/// The changes that forget the oldest finished ones of `evolutions` so that `keep` finished ones remain.
-pub fn prune(evolutions: &[StoredEvolution], keep: usize) -> Vec<Change> {
-    let mut finished: Vec<_> = evolutions.iter().filter(|evolution| evolution.finished).collect();
-    finished.sort_by_key(|evolution| evolution.number);
-    let excess = finished.len().saturating_sub(keep);
-    let forget = finished.into_iter().take(excess);
-    forget.map(|evolution| Change::DeleteEvolution(evolution.id.clone())).collect()
-}
+impl Contents {
+    /// The jobs of one kind, in the order of their numbers.
+    pub fn jobs_of(&self, kind: JobKind) -> impl Iterator<Item = &StoredJob> {
+        self.jobs.iter().filter(move |job| job.id.kind == kind)
+    }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The bug to fear: a running evolution, or a recent one, goes instead of an old one.
-    #[test]
-    fn the_oldest_finished_evolutions_are_pruned() {
-        let evolution = |number: u64, finished| StoredEvolution {
-            id: format!("evolution-{number}"),
-            number,
-            finished,
-            body: String::new(),
-        };
-        let all =
-            [(10, true), (9, true), (1, false), (2, true)].map(|(n, done)| evolution(n, done));
-        let forgets = |keep| -> Vec<String> {
-            let changes = prune(&all, keep).into_iter();
-            changes.map(|change| format!("{change:?}")).collect()
-        };
-        assert_eq!(
-            forgets(1),
-            [r#"DeleteEvolution("evolution-2")"#, r#"DeleteEvolution("evolution-9")"#]
-        );
-        assert_eq!(forgets(3), [""; 0]);
-        assert_eq!(forgets(0).len(), 3);
+    /// Highest number that a job of this kind ever had; 0 before the first.
+    pub fn last_number(&self, kind: JobKind) -> u64 {
+        self.last_numbers.get(&kind).copied().unwrap_or(0)
     }
 }

@@ -65,9 +65,16 @@ fn put_posterior(name: &str, revision: u64, deliveries: u64) -> Change {
     Change::PutPosterior(id(name), Box::new(Posterior { revision, saved }))
 }
 
-pub(crate) fn evolution(number: u64, body: &str) -> StoredEvolution {
-    let id = format!("evolution-{number}");
-    StoredEvolution { id, number, finished: number.is_multiple_of(2), body: body.into() }
+pub(crate) fn id_of(kind: JobKind, number: u64) -> JobId {
+    JobId { kind, number }
+}
+
+pub(crate) fn job(id: JobId, body: &str) -> StoredJob {
+    StoredJob { id, finished: id.number.is_multiple_of(2), body: body.into() }
+}
+
+pub(crate) fn evolution(number: u64, body: &str) -> StoredJob {
+    job(id_of(JobKind::Evolution, number), body)
 }
 
 fn prior(name: &str, source: PriorSource) -> StoredPrior {
@@ -81,15 +88,10 @@ fn environment(name: &str, body: &str) -> StoredEnvironment {
 
 /// A commit of each kind of change, in an order in which they meet each other.
 fn all_kinds() -> Vec<Vec<Change>> {
-    let generation = |evolution: &str, index, body: &str| Change::PutGeneration {
-        evolution: evolution.into(),
-        index,
-        body: body.into(),
-    };
-    let checkpoint = |evolution: &str, body: &str| Change::PutCheckpoint {
-        evolution: evolution.into(),
-        body: body.into(),
-    };
+    let part = |job, index, body: &str| Change::PutPart { job, index, body: body.into() };
+    let checkpoint = |job, body: &str| Change::PutCheckpoint { job, body: body.into() };
+    let [one, ten, nowhere] = [1, 10, 99].map(|number| id_of(JobKind::Evolution, number));
+    let compared = id_of(JobKind::Comparison, 10);
     let champion = PriorSource::Evolution {
         evolution: "evolution-1".into(),
         seed: u64::MAX,
@@ -107,27 +109,18 @@ fn all_kinds() -> Vec<Vec<Change>> {
             Change::PutEnvironment(environment("wet", "{}")),
             Change::PutEnvironment(environment("ice", "[1]")),
         ],
+        vec![Change::PutJob(job(one, "one")), part(one, 0, "g0"), checkpoint(one, "c0")],
+        vec![part(one, 2, "g2"), part(one, 1, "g1"), checkpoint(one, "c2")],
+        vec![part(nowhere, 0, "lost"), checkpoint(nowhere, "lost")],
+        vec![Change::PutJob(job(ten, "ten")), checkpoint(ten, "c"), part(ten, 0, "g")],
+        // Of the same number, and another one all the same.
         vec![
-            Change::PutEvolution(evolution(1, "one")),
-            generation("evolution-1", 0, "g0"),
-            checkpoint("evolution-1", "c0"),
+            Change::PutJob(job(compared, "compared")),
+            checkpoint(compared, "d"),
+            part(compared, 0, "d0"),
         ],
-        vec![
-            generation("evolution-1", 2, "g2"),
-            generation("evolution-1", 1, "g1"),
-            checkpoint("evolution-1", "c2"),
-        ],
-        vec![generation("nowhere", 0, "lost"), checkpoint("nowhere", "lost")],
-        vec![
-            Change::PutEvolution(evolution(10, "ten")),
-            checkpoint("evolution-10", "c"),
-            generation("evolution-10", 0, "g"),
-        ],
-        vec![Change::PutEvolution(evolution(1, "one again"))],
-        vec![
-            Change::DeleteCheckpoint("evolution-1".into()),
-            generation("evolution-1", 1, "g1 again"),
-        ],
+        vec![Change::PutJob(job(one, "one again"))],
+        vec![Change::DeleteCheckpoint(one), part(one, 1, "g1 again")],
         vec![put_robot("a", 4), put_posterior("a", 2, 9)],
         vec![Change::PutRobot(id("b"), Box::new(Record { stopped: true, ..record(1) }))],
         vec![
@@ -135,8 +128,8 @@ fn all_kinds() -> Vec<Vec<Change>> {
             Change::DeleteEnvironment("wet".into()),
             Change::PutEnvironment(environment("ice", "2")),
         ],
-        vec![Change::DeleteEvolution("evolution-10".into()), Change::DeleteRobot(id("nobody"))],
-        vec![Change::PutEvolution(evolution(3, "three"))],
+        vec![Change::DeleteJob(ten), Change::DeleteRobot(id("nobody"))],
+        vec![Change::PutJob(evolution(3, "three"))],
         vec![],
     ]
 }
@@ -144,8 +137,12 @@ fn all_kinds() -> Vec<Vec<Change>> {
 #[test]
 fn both_stores_keep_the_same() {
     let read = |store: &dyn Store| {
-        let of = |id| (store.generations(id, 0, 9).unwrap(), store.checkpoint(id).unwrap());
-        (store.load().unwrap(), of("evolution-1"), of("evolution-10"))
+        let of = |kind, number| {
+            let id = id_of(kind, number);
+            (store.parts(id, 0, 9).unwrap(), store.checkpoint(id).unwrap())
+        };
+        let [one, ten] = [1, 10].map(|number| of(JobKind::Evolution, number));
+        (store.load().unwrap(), one, ten, of(JobKind::Comparison, 10))
     };
     let [(_, memory, _), (_, sqlite, _directory)] = stores().try_into().ok().unwrap();
     for changes in all_kinds() {
@@ -154,7 +151,7 @@ fn both_stores_keep_the_same() {
         assert_eq!(read(&*sqlite), read(&*memory), "after {changes:?}");
     }
     // And it is what was meant, not twice the same mistake.
-    let (contents, (generations, checkpoint), of_ten) = read(&*sqlite);
+    let (contents, (parts, checkpoint), of_ten, of_comparison) = read(&*sqlite);
     let names: Vec<_> = contents.robots.iter().map(|robot| robot.id.as_str()).collect();
     assert_eq!(names, ["a", "b"]);
     assert_eq!((&contents.robots[0].record, &contents.robots[0].saved), (&record(4), &None));
@@ -162,32 +159,33 @@ fn both_stores_keep_the_same() {
     assert!(contents.robots[1].record.stopped);
     assert_eq!(contents.environments, [environment("ice", "2")]);
     assert_eq!(contents.priors.len(), 1);
-    assert_eq!(contents.evolutions, [evolution(1, "one again"), evolution(3, "three")]);
-    assert_eq!(contents.last_evolution, 10, "a number never comes back");
-    let bodies: Vec<_> = generations.iter().map(|generation| generation.body.as_str()).collect();
+    let compared = job(id_of(JobKind::Comparison, 10), "compared");
+    assert_eq!(contents.jobs, [evolution(1, "one again"), evolution(3, "three"), compared]);
+    let last = JobKind::ALL.map(|kind| contents.last_number(kind));
+    assert_eq!(last, [10, 10], "a number never comes back");
+    let bodies: Vec<_> = parts.iter().map(|part| part.body.as_str()).collect();
     assert_eq!(bodies, ["g0", "g1 again", "g2"]);
     assert_eq!((checkpoint, of_ten), (None, (vec![], None)));
+    let left = (vec![Part { index: 0, body: "d0".into() }], Some("d".into()));
+    assert_eq!(of_comparison, left, "what ends an evolution ends no comparison");
 }
 
 #[test]
-fn generations_come_in_pages() {
+fn parts_come_in_pages() {
     for (name, store, _directory) in stores() {
-        let put = |index| Change::PutGeneration {
-            evolution: "evolution-1".into(),
-            index,
-            body: format!("{index}"),
-        };
-        let first = Change::PutEvolution(evolution(1, ""));
+        let [job, other] = [1, 2].map(|number| id_of(JobKind::Evolution, number));
+        let put = |index| Change::PutPart { job, index, body: format!("{index}") };
+        let first = Change::PutJob(evolution(1, ""));
         store.commit(std::iter::once(first).chain((0..10).map(put)).collect()).unwrap();
         let page = |from, limit| -> Vec<usize> {
-            let page = store.generations("evolution-1", from, limit).unwrap();
-            page.into_iter().map(|generation| generation.index).collect()
+            let page = store.parts(job, from, limit).unwrap();
+            page.into_iter().map(|part| part.index).collect()
         };
         assert_eq!(page(0, 3), [0, 1, 2], "{name}");
         assert_eq!(page(8, 3), [8, 9], "{name}");
         assert_eq!(page(10, 3), [0; 0], "{name}");
         assert_eq!(page(2, usize::MAX).len(), 8, "{name}");
-        assert_eq!(store.generations("evolution-2", 0, 3).unwrap(), [], "{name}");
+        assert_eq!(store.parts(other, 0, 3).unwrap(), [], "{name}");
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use umwelt_api::evolution::Request;
 use umwelt_server::offline::{Order, evolve};
-use umwelt_server::store::{Change, MemoryStore};
+use umwelt_server::store::{Change, JobId, JobKind, MemoryStore};
 use umwelt_server::{Config, Priority, Server, Store};
 
 /// Far above what anything here takes, on whatever machine.
@@ -51,7 +51,7 @@ impl Api {
     }
 }
 
-/// A follower of an evolution.
+/// A follower of an evolution or a comparison.
 pub(crate) struct Follower(Stream);
 
 impl Follower {
@@ -74,9 +74,9 @@ impl Follower {
         let event: Value = serde_json::from_str(field("data: ").unwrap()).unwrap();
         assert_eq!(field("event: ").unwrap(), event["type"]);
         let id = event["id"].to_string();
-        // A state has no id in the stream: whoever resumes behind it would miss generations.
-        let is_generation = event["type"] == "generation";
-        assert_eq!(field("id: "), is_generation.then_some(id.as_str()));
+        // An evolution's state has no id in the stream: whoever resumes behind it would miss generations.
+        let has_id = event["type"] == "generation" || event["comparison"].is_string();
+        assert_eq!(field("id: "), has_id.then_some(id.as_str()));
         Some(event)
     }
 
@@ -91,7 +91,7 @@ impl Follower {
     }
 
     /// All that is left of the stream.
-    async fn rest(&mut self) -> Vec<Value> {
+    pub(crate) async fn rest(&mut self) -> Vec<Value> {
         let mut events = Vec::new();
         while let Some(event) = self.next().await {
             events.push(event);
@@ -108,14 +108,14 @@ fn ids(events: &[Value]) -> Vec<u64> {
     generations(events).iter().map(|event| event["id"].as_u64().unwrap()).collect()
 }
 
-/// Waits for the end of an evolution and shows it then.
-async fn ended(api: &Api, path: &str) -> Value {
+/// Waits for the end of an evolution or a comparison and shows it then.
+pub(crate) async fn ended(api: &Api, path: &str) -> Value {
     Follower::open(api, path, None).await.rest().await;
     api.get(path).await.json()
 }
 
 /// A server on a real socket that is told to end.
-async fn serve_and_stop(store: Arc<dyn Store>, until: impl AsyncFnOnce(Api)) {
+pub(crate) async fn serve_and_stop(store: Arc<dyn Store>, until: impl AsyncFnOnce(Api)) {
     let server = Server::with_store(hurried(), store).await.unwrap();
     let api = Api(server.router());
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
@@ -276,7 +276,7 @@ async fn an_evolution_goes_on_after_a_restart_as_if_nothing_had_been() {
     })
     .await;
     let last = before[0]["id"].as_u64().unwrap();
-    let body = &store.load().unwrap().evolutions[0].body;
+    let body = &store.load().unwrap().jobs[0].body;
     assert!(body.contains(r#""state":"running""#), "{body}");
 
     // The second one dies without a word.
@@ -320,10 +320,10 @@ async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() 
         Follower::open(&first, &path, None).await.until(|event| event["id"] == 1).await;
         let next = first.begin(&small()).await;
         drop(first);
-        let (evolution, body) = ("evolution-1".to_owned(), checkpoint.to_owned());
+        let job = JobId { kind: JobKind::Evolution, number: 1 };
         // The one before may still be writing: it stops for what it finds written.
         let second = loop {
-            let change = Change::PutCheckpoint { evolution: evolution.clone(), body: body.clone() };
+            let change = Change::PutCheckpoint { job, body: checkpoint.to_owned() };
             store.commit(vec![change]).unwrap();
             let server = serve(store.clone()).await;
             let failed = ended(&server, &path).await;
@@ -407,7 +407,8 @@ async fn the_oldest_that_have_ended_are_forgotten() {
     let second = api.begin(&small()).await;
     ended(&api, &second).await;
     assert_eq!((api.get(&first).await.code, api.get(&second).await.code), (404, 200));
-    assert_eq!(store.generations("evolution-1", 0, 9).unwrap(), []);
+    let gone = JobId { kind: JobKind::Evolution, number: 1 };
+    assert_eq!(store.parts(gone, 0, 9).unwrap(), []);
     assert_eq!(api.get("/v1/priors/evolution-1").await.code, 200);
     assert_eq!(api.delete(&second).await.code, 204);
     let restarted = Api::with(config(), store).await;

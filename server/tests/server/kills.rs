@@ -11,7 +11,8 @@ use umwelt_core::controller::Controller;
 use umwelt_core::controller::settings::{Prior, Settings};
 use umwelt_server::Store;
 use umwelt_server::store::{
-    Change, Contents, Posterior, PriorSource, Record, SqliteStore, StoredEvolution, StoredPrior,
+    Change, Contents, JobId, JobKind, Posterior, PriorSource, Record, SqliteStore, StoredJob,
+    StoredPrior,
 };
 
 /// Where the child is to keep things.
@@ -24,10 +25,12 @@ const WRITERS: u64 = 4;
 const KILLS: u32 = 24;
 const KILLS_OF_NEW: u32 = 8;
 
-const GENERATIONS: u64 = 10;
+const PARTS: u64 = 10;
 
-fn evolution(writer: u64) -> String {
-    format!("evolution-{}", writer + 1)
+/// One of each kind, and again.
+fn job(writer: u64) -> JobId {
+    let kind = JobKind::ALL[(writer % 2) as usize];
+    JobId { kind, number: writer / 2 + 1 }
 }
 
 fn robot(writer: u64) -> umwelt_api::RobotId {
@@ -40,18 +43,9 @@ fn changes(writer: u64, turn: u64) -> Vec<Change> {
     let record = Record { settings, prior: None, task: None, stopped: false, revision: turn };
     let saved = Controller::new(settings).saved();
     vec![
-        Change::PutEvolution(StoredEvolution {
-            id: evolution(writer),
-            number: writer + 1,
-            finished: false,
-            body: body.clone(),
-        }),
-        Change::PutGeneration {
-            evolution: evolution(writer),
-            index: (turn % GENERATIONS) as usize,
-            body: body.clone(),
-        },
-        Change::PutCheckpoint { evolution: evolution(writer), body: body.repeat(2000) },
+        Change::PutJob(StoredJob { id: job(writer), finished: false, body: body.clone() }),
+        Change::PutPart { job: job(writer), index: (turn % PARTS) as usize, body: body.clone() },
+        Change::PutCheckpoint { job: job(writer), body: body.repeat(2000) },
         Change::PutPrior(StoredPrior {
             name: format!("prior-{writer}"),
             prior: Prior::default(),
@@ -65,20 +59,20 @@ fn changes(writer: u64, turn: u64) -> Vec<Change> {
 
 /// The last turn of `writer` that is there; fails where a part of it is missing or is of another turn.
 fn turn(store: &SqliteStore, contents: &Contents, writer: u64) -> u64 {
-    let id = evolution(writer);
-    let Some(evolution) = contents.evolutions.iter().find(|evolution| evolution.id == id) else {
-        assert_eq!(store.checkpoint(&id).unwrap(), None);
+    let id = job(writer);
+    let Some(job) = contents.jobs.iter().find(|job| job.id == id) else {
+        assert_eq!(store.checkpoint(id).unwrap(), None);
         assert!(contents.robots.iter().all(|kept| kept.id != robot(writer)));
         return 0;
     };
-    let turn: u64 = evolution.body.parse().unwrap();
-    let index = (turn % GENERATIONS) as usize;
-    let generations = store.generations(&id, index, 1).unwrap();
-    assert_eq!((generations[0].index, &generations[0].body), (index, &evolution.body));
-    assert_eq!(store.checkpoint(&id).unwrap(), Some(evolution.body.repeat(2000)));
+    let turn: u64 = job.body.parse().unwrap();
+    let index = (turn % PARTS) as usize;
+    let parts = store.parts(id, index, 1).unwrap();
+    assert_eq!((parts[0].index, &parts[0].body), (index, &job.body));
+    assert_eq!(store.checkpoint(id).unwrap(), Some(job.body.repeat(2000)));
     let name = format!("prior-{writer}");
     let prior = contents.priors.iter().find(|prior| prior.name == name).unwrap();
-    assert_eq!(prior.note.as_ref(), Some(&evolution.body));
+    assert_eq!(prior.note.as_ref(), Some(&job.body));
     let robot = contents.robots.iter().find(|kept| kept.id == robot(writer)).unwrap();
     assert_eq!(robot.record.revision, turn);
     assert!(robot.saved.is_some(), "what it learned is of the same turn");

@@ -5,6 +5,7 @@
 
 mod api;
 mod bad_input;
+mod comparisons;
 mod conditions;
 mod data;
 mod environments;

@@ -1,4 +1,4 @@
-//! `umwelt-server evolve`: what it writes, and how it ends.
+//! `umwelt-server evolve` and `compare`: what it writes, and how it ends.
 
 use crate::api::Api;
 use crate::process::program;
@@ -89,4 +89,56 @@ fn a_call_that_makes_no_sense_is_told_everything_at_once() {
     let (code, output, error) = evolve(&["--out", "/dev/null/x"]);
     assert_eq!((code, output.as_str()), (Some(1), ""), "{error}");
     assert!(error.contains("/dev/null/x"), "{error}");
+}
+
+fn compare(more: &[&str]) -> (Option<i32>, String, String) {
+    let small = ["compare", "--methods", "statistic/1,bayesian/1", "--trials", "3"];
+    let output = program(&[&small[..], more].concat()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn methods_are_compared_into_a_folder_whatever_the_number_of_threads() {
+    let directory = tempdir().unwrap();
+    let folder = directory.path().join("new/one");
+    let out = folder.to_str().unwrap();
+    let (code, output, error) = compare(&["--json", "--threads", "1", "--seed", "5", "--out", out]);
+    assert_eq!((code, &output), (Some(0), &read(&folder, "report.json")), "{error}");
+    let report: Value = serde_json::from_str(&output).unwrap();
+    assert_eq!((&report["spec"]["seed"], &report["threads"]), (&5.into(), &1.into()));
+    let rows: Vec<_> = read(&folder, "trials.csv").lines().map(str::to_owned).collect();
+    assert_eq!(rows.len(), 1 + 2 * 2 * 3);
+    for figure in ["deviation.svg", "time.svg", "pareto.svg"] {
+        assert!(read(&folder, figure).starts_with("<svg"));
+    }
+    // The mean of the report is that of the rows.
+    let of = |row: &&String| row.starts_with("bad-link,bayesian/1,");
+    let times = rows.iter().filter(of).map(|row| row.split(',').nth(4).unwrap());
+    let mean = times.map(|time| time.parse::<f64>().unwrap()).sum::<f64>() / 3.0;
+    let entry = &report["report"]["environments"][1]["entries"][1];
+    assert!((entry["time_s"]["mean"]["mean"].as_f64().unwrap() - mean).abs() < 1e-9, "{entry}");
+
+    let (_, other, _) = compare(&["--json", "--threads", "3", "--seed", "5"]);
+    let other: Value = serde_json::from_str(&other).unwrap();
+    assert_eq!(other["report"], report["report"]);
+    let (code, text, _) = compare(&[]);
+    assert_eq!(code, Some(0));
+    for said in ["scenario thesis, seed 1", "bad-link", "statistic/1", "what the thesis claims"] {
+        assert!(text.contains(said), "{said} is not in\n{text}");
+    }
+}
+
+#[test]
+fn a_comparison_that_makes_no_sense_is_told_everything_at_once() {
+    let wrong = ["compare", "--methods", "luck,bayesian/7", "--trials", "1", "--prior", "oasis"];
+    let output = program(&wrong).output().unwrap();
+    assert_eq!((output.status.code(), output.stdout), (Some(2), Vec::new()));
+    let said = String::from_utf8(output.stderr).unwrap();
+    for field in ["methods[0]", "methods[1]", "trials", "prior"] {
+        assert!(said.contains(field), "{field} is not in\n{said}");
+    }
+    for wrong in [["--threads", "0"], ["--scenario", "moon"]] {
+        assert_eq!(compare(&wrong).0, Some(2), "{wrong:?}");
+    }
 }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::Duration;
 use tempfile::tempdir;
-use umwelt_server::store::SqliteStore;
+use umwelt_server::store::{DATA_FILE, JobId, JobKind, SqliteStore};
 use umwelt_server::{Server, Store};
 
 /// Longer than what a crash may cost. The clock stands still while the store works and while a step is answered.
@@ -202,4 +202,54 @@ async fn a_server_ends_although_its_store_hangs() {
     drive(&api, 1, 3).await;
     let ended = tokio::time::timeout(60 * A_SECOND, server.run(std::future::ready(()))).await;
     ended.expect("it ends").unwrap();
+}
+
+/// The bug to fear: an update of the program that loses evolutions, or ends those that were running.
+#[tokio::test]
+async fn a_data_file_of_version_1_is_taken_up_with_its_evolutions() {
+    let directory = tempdir().unwrap();
+    let file = rusqlite::Connection::open(directory.path().join(DATA_FILE)).unwrap();
+    file.execute_batch(include_str!("version-1.sql")).unwrap();
+    let body = |number: u64| -> String {
+        let select = "SELECT body FROM generations WHERE evolution = ?1 ORDER BY position";
+        let mut select = file.prepare(select).unwrap();
+        let found = select.query_map([format!("evolution-{number}")], |row| row.get(0)).unwrap();
+        found.collect::<Result<Vec<String>, _>>().unwrap().concat()
+    };
+    let before = [body(1), body(2)];
+    drop(file);
+    let store = Arc::new(SqliteStore::open(directory.path()).unwrap());
+    let id = |number| JobId { kind: JobKind::Evolution, number };
+    let kept = |number| {
+        let parts = store.parts(id(number), 0, 2).unwrap();
+        parts.into_iter().map(|part| part.body).collect::<String>()
+    };
+    assert_eq!([kept(1), kept(2)], before);
+
+    let api = crate::evolutions::serve(store.clone()).await;
+    let first = api.get("/v1/evolutions/evolution-1").await.json();
+    assert_eq!((&first["state"], &first["prior"]), (&json!("succeeded"), &json!("evolution-1")));
+    assert_eq!(first["champion"]["entries"].as_array().unwrap().len(), 4);
+    let prior = api.get("/v1/priors/evolution-1").await.json();
+    assert_eq!(prior["forward"], first["champion"]["prior"]["forward"]);
+    let second = crate::evolutions::ended(&api, "/v1/evolutions/evolution-2").await;
+    assert_eq!((&second["state"], &second["prior"]), (&json!("succeeded"), &json!("meadow")));
+    assert_eq!((&second["interrupted"], &second["error"]), (&json!(1), &Value::Null));
+    let generations = api.get("/v1/evolutions/evolution-2/generations").await.json();
+    let indices: Vec<_> = generations["generations"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|generation| generation["index"].as_u64().unwrap())
+        .collect();
+    assert_eq!(indices, [0, 1, 2, 3]);
+    assert_eq!(kept(2), before[1], "what was there has stayed");
+    let key = [crate::api::JSON, ("idempotency-key", "night")];
+    let body = json!({
+        "preset": "quick", "environments": ["normal"], "population": 2, "generations": 2, "trials": 1,
+        "selection_trials": 1, "report_trials": 2, "seed": 7
+    });
+    let again = api.call("POST", "/v1/evolutions", &key, body.to_string()).await;
+    assert_eq!((again.code, &again.json()["evolution"]), (200, &json!("evolution-1")));
+    assert_eq!(api.begin(&crate::evolutions::small()).await, "/v1/evolutions/evolution-3");
 }

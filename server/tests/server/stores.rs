@@ -5,7 +5,7 @@ use serde_json::json;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use tokio::sync::watch;
-use umwelt_server::store::{Change, Contents, Generation, MemoryStore, StoreError};
+use umwelt_server::store::{Change, Contents, JobId, MemoryStore, Part, StoreError};
 use umwelt_server::{Server, Store};
 
 /// A store that does what it is told to: work, fail in one way or another, or panic.
@@ -55,19 +55,14 @@ impl Store for Faulty {
         self.memory.load()
     }
 
-    fn generations(
-        &self,
-        evolution: &str,
-        from: usize,
-        limit: usize,
-    ) -> Result<Vec<Generation>, StoreError> {
+    fn parts(&self, job: JobId, from: usize, limit: usize) -> Result<Vec<Part>, StoreError> {
         self.check()?;
-        self.memory.generations(evolution, from, limit)
+        self.memory.parts(job, from, limit)
     }
 
-    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
+    fn checkpoint(&self, job: JobId) -> Result<Option<String>, StoreError> {
         self.check()?;
-        self.memory.checkpoint(evolution)
+        self.memory.checkpoint(job)
     }
 }
 
@@ -124,17 +119,12 @@ impl Store for Gate {
         self.memory.load()
     }
 
-    fn generations(
-        &self,
-        evolution: &str,
-        from: usize,
-        limit: usize,
-    ) -> Result<Vec<Generation>, StoreError> {
-        self.memory.generations(evolution, from, limit)
+    fn parts(&self, job: JobId, from: usize, limit: usize) -> Result<Vec<Part>, StoreError> {
+        self.memory.parts(job, from, limit)
     }
 
-    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
-        self.memory.checkpoint(evolution)
+    fn checkpoint(&self, job: JobId) -> Result<Option<String>, StoreError> {
+        self.memory.checkpoint(job)
     }
 }
 

@@ -6,7 +6,8 @@ fn estimate(mean: f64, half: f64) -> Estimate {
 }
 
 fn quantities(value: f64) -> Quantities {
-    let [mean, median, p90] = [1.1 * value, value, 1.5 * value].map(|it| estimate(it, 0.1 * value.abs()));
+    let [mean, median, p90] =
+        [1.1 * value, value, 1.5 * value].map(|it| estimate(it, 0.1 * value.abs()));
     Quantities { mean, median, p90 }
 }
 

@@ -1,7 +1,7 @@
 //! Changes as SQL.
 
 use super::document;
-use crate::store::{Change, StoredEvolution};
+use crate::store::{Change, JobId, StoredJob};
 use rusqlite::{Connection, params};
 use umwelt_core::controller::STATE_VERSION;
 
@@ -69,33 +69,38 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
         Change::DeleteEnvironment(name) => {
             run("DELETE FROM environments WHERE name = ?1", params![name])
         }
-        Change::PutEvolution(StoredEvolution { id, number, finished, body }) => {
+        Change::PutJob(StoredJob { id: JobId { kind, number }, finished, body }) => {
             let number = integer(*number)?;
             run(
-                "INSERT INTO evolutions (id, number, finished, body) VALUES (?1, ?2, ?3, ?4) \
-                 ON CONFLICT (id) DO UPDATE SET number = excluded.number, \
-                 finished = excluded.finished, body = excluded.body",
-                params![id, number, finished, body],
+                "INSERT INTO jobs (kind, number, finished, body) VALUES (?1, ?2, ?3, ?4) \
+                 ON CONFLICT (kind, number) DO UPDATE SET finished = excluded.finished, \
+                 body = excluded.body",
+                params![kind.name(), number, finished, body],
             )?;
             run(
-                "UPDATE numbers SET value = max(value, ?1) WHERE name = 'last_evolution'",
-                params![number],
+                "INSERT INTO last_numbers (kind, number) VALUES (?1, ?2) \
+                 ON CONFLICT (kind) DO UPDATE SET number = max(number, excluded.number)",
+                params![kind.name(), number],
             )
         }
-        Change::DeleteEvolution(id) => run("DELETE FROM evolutions WHERE id = ?1", params![id]),
-        Change::PutGeneration { evolution, index, body } => run(
-            "INSERT OR REPLACE INTO generations (evolution, position, body) \
-             SELECT id, ?2, ?3 FROM evolutions WHERE id = ?1",
-            params![evolution, integer(*index as u64)?, body],
+        Change::DeleteJob(JobId { kind, number }) => run(
+            "DELETE FROM jobs WHERE kind = ?1 AND number = ?2",
+            params![kind.name(), integer(*number)?],
         ),
-        Change::PutCheckpoint { evolution, body } => run(
-            "INSERT OR REPLACE INTO checkpoints (evolution, body) \
-             SELECT id, ?2 FROM evolutions WHERE id = ?1",
-            params![evolution, body],
+        Change::PutPart { job: JobId { kind, number }, index, body } => run(
+            "INSERT OR REPLACE INTO parts (kind, number, position, body) \
+             SELECT kind, number, ?3, ?4 FROM jobs WHERE kind = ?1 AND number = ?2",
+            params![kind.name(), integer(*number)?, integer(*index as u64)?, body],
         ),
-        Change::DeleteCheckpoint(evolution) => {
-            run("DELETE FROM checkpoints WHERE evolution = ?1", params![evolution])
-        }
+        Change::PutCheckpoint { job: JobId { kind, number }, body } => run(
+            "INSERT OR REPLACE INTO checkpoints (kind, number, body) \
+             SELECT kind, number, ?3 FROM jobs WHERE kind = ?1 AND number = ?2",
+            params![kind.name(), integer(*number)?, body],
+        ),
+        Change::DeleteCheckpoint(JobId { kind, number }) => run(
+            "DELETE FROM checkpoints WHERE kind = ?1 AND number = ?2",
+            params![kind.name(), integer(*number)?],
+        ),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::open::{self, DATA_FILE, OpenError};
 use super::schema::{self, Unusable};
+use crate::store::JobKind;
 use rusqlite::Connection;
 use std::ffi::OsString;
 use std::fmt;
@@ -24,6 +25,8 @@ pub struct Backup {
     pub evolutions: u64,
     /// Generations of all of them.
     pub generations: u64,
+    /// Comparisons in it.
+    pub comparisons: u64,
 }
 
 /// Why there is no backup.
@@ -115,13 +118,27 @@ impl Partial {
                 .map(i64::unsigned_abs)
                 .map_err(io::Error::other)
         };
+        let version = schema::version(&copy, schema::MIGRATIONS.len());
+        let version = version.map_err(|found| io::Error::other(format!("{found:?}")))?;
+        // A backup leaves an older file as old as it is.
+        let [evolutions, generations, comparisons] = if version == Some(1) {
+            [count("evolutions")?, count("generations")?, 0]
+        } else {
+            let of = |table: &str, kind: JobKind| count(&format!("{table} WHERE kind = '{kind}'"));
+            [
+                of("jobs", JobKind::Evolution)?,
+                of("parts", JobKind::Evolution)?,
+                of("jobs", JobKind::Comparison)?,
+            ]
+        };
         Ok(Backup {
             bytes: fs::metadata(&self.0)?.len(),
             robots: count("robots")?,
             priors: count("priors")?,
             environments: count("environments")?,
-            evolutions: count("evolutions")?,
-            generations: count("generations")?,
+            evolutions,
+            generations,
+            comparisons,
         })
     }
 
@@ -147,12 +164,13 @@ impl Drop for Partial {
 
 impl fmt::Display for Backup {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { bytes, robots, priors, environments, evolutions, generations } = self;
+        let Self { bytes, robots, priors, environments, evolutions, generations, comparisons } =
+            self;
         let kb = bytes.div_ceil(1000);
         write!(
             f,
             "{kb} kB: {robots} robots, {priors} priors, {environments} environments, {evolutions} evolutions with \
-             {generations} generations"
+             {generations} generations, {comparisons} comparisons"
         )
     }
 }

@@ -14,7 +14,7 @@ mod writer;
 pub use backup::{Backup, BackupError, backup};
 pub use open::{DATA_FILE, LOCK_FILE, OpenError};
 
-use super::{Change, Contents, Generation, Store, StoreError};
+use super::{Change, Contents, JobId, Part, Store, StoreError};
 use open::Opened;
 use rusqlite::Connection;
 use std::path::Path;
@@ -71,18 +71,12 @@ impl Store for SqliteStore {
         read::contents(&mut self.reader()).map_err(|error| self.failed(error))
     }
 
-    fn generations(
-        &self,
-        evolution: &str,
-        from: usize,
-        limit: usize,
-    ) -> Result<Vec<Generation>, StoreError> {
-        let read = read::generations(&self.reader(), evolution, from, limit);
-        read.map_err(|error| self.failed(error))
+    fn parts(&self, job: JobId, from: usize, limit: usize) -> Result<Vec<Part>, StoreError> {
+        read::parts(&self.reader(), job, from, limit).map_err(|error| self.failed(error))
     }
 
-    fn checkpoint(&self, evolution: &str) -> Result<Option<String>, StoreError> {
-        read::checkpoint(&self.reader(), evolution).map_err(|error| self.failed(error))
+    fn checkpoint(&self, job: JobId) -> Result<Option<String>, StoreError> {
+        read::checkpoint(&self.reader(), job).map_err(|error| self.failed(error))
     }
 
     fn probe(&self) -> Result<(), StoreError> {

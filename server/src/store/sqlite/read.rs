@@ -3,9 +3,11 @@
 use super::document::{self, Unreadable};
 use super::open::call_failed;
 use crate::store::{
-    Contents, Generation, StoreError, StoredEnvironment, StoredEvolution, StoredPrior, StoredRobot,
+    Contents, JobId, JobKind, Part, StoreError, StoredEnvironment, StoredJob, StoredPrior,
+    StoredRobot,
 };
 use rusqlite::{Connection, OptionalExtension, Row, params};
+use std::collections::BTreeMap;
 use std::path::Path;
 use umwelt_core::controller::{STATE_VERSION, Saved};
 
@@ -39,30 +41,17 @@ impl ReadError {
     }
 }
 
-/// Everything but generations and checkpoints, as of one moment.
+/// Everything but parts and checkpoints, as of one moment.
 pub(super) fn contents(connection: &mut Connection) -> Result<Contents, ReadError> {
     let moment = connection.transaction()?;
-    let last = "SELECT value FROM numbers WHERE name = 'last_evolution'";
     Ok(Contents {
         robots: robots(&moment)?,
         priors: priors(&moment)?,
         environments: rows(&moment, "SELECT name, body FROM environments ORDER BY name", |row| {
             Ok(StoredEnvironment { name: row.get(0)?, body: row.get(1)? })
         })?,
-        evolutions: rows(
-            &moment,
-            "SELECT id, number, finished, body FROM evolutions ORDER BY number",
-            |row| {
-                let number: i64 = row.get(1)?;
-                Ok(StoredEvolution {
-                    id: row.get(0)?,
-                    number: number.unsigned_abs(),
-                    finished: row.get(2)?,
-                    body: row.get(3)?,
-                })
-            },
-        )?,
-        last_evolution: moment.query_row(last, [], |row| row.get::<_, i64>(0))?.unsigned_abs(),
+        jobs: jobs(&moment)?,
+        last_numbers: last_numbers(&moment)?,
     })
 }
 
@@ -116,32 +105,61 @@ fn priors(connection: &Connection) -> Result<Vec<StoredPrior>, ReadError> {
     found.into_iter().map(prior).collect()
 }
 
-/// Generations of an evolution from index `from` on.
-pub(super) fn generations(
+fn jobs(connection: &Connection) -> Result<Vec<StoredJob>, ReadError> {
+    let mut jobs = Vec::new();
+    for kind in JobKind::ALL {
+        let mut select = connection
+            .prepare("SELECT number, finished, body FROM jobs WHERE kind = ?1 ORDER BY number")?;
+        let of_kind = select.query_map([kind.name()], |row| {
+            let number = row.get::<_, i64>(0)?.unsigned_abs();
+            Ok(StoredJob { id: JobId { kind, number }, finished: row.get(1)?, body: row.get(2)? })
+        })?;
+        for job in of_kind {
+            jobs.push(job?);
+        }
+    }
+    Ok(jobs)
+}
+
+fn last_numbers(connection: &Connection) -> Result<BTreeMap<JobKind, u64>, ReadError> {
+    let found = rows(connection, "SELECT kind, number FROM last_numbers", |row| {
+        Ok((row.get::<_, String>(0)?, row.get::<_, i64>(1)?.unsigned_abs()))
+    })?;
+    Ok(found.into_iter().filter_map(|(kind, last)| Some((JobKind::named(&kind)?, last))).collect())
+}
+
+/// Parts of a job from index `from` on.
+pub(super) fn parts(
     connection: &Connection,
-    evolution: &str,
+    JobId { kind, number }: JobId,
     from: usize,
     limit: usize,
-) -> Result<Vec<Generation>, ReadError> {
+) -> Result<Vec<Part>, ReadError> {
     let mut select = connection.prepare_cached(
-        "SELECT position, body FROM generations WHERE evolution = ?1 AND position >= ?2 \
-         ORDER BY position LIMIT ?3",
+        "SELECT position, body FROM parts WHERE kind = ?1 AND number = ?2 AND position >= ?3 \
+         ORDER BY position LIMIT ?4",
     )?;
-    let bound = |number: usize| i64::try_from(number).unwrap_or(i64::MAX);
-    let found = select.query_map(params![evolution, bound(from), bound(limit)], |row| {
+    let (from, limit) = (bound(from as u64), bound(limit as u64));
+    let found = select.query_map(params![kind.name(), bound(number), from, limit], |row| {
         let index: i64 = row.get(0)?;
-        Ok(Generation { index: index.unsigned_abs() as usize, body: row.get(1)? })
+        Ok(Part { index: index.unsigned_abs() as usize, body: row.get(1)? })
     })?;
     Ok(found.collect::<Result<_, _>>()?)
 }
 
-/// The checkpoint of an evolution.
+/// The checkpoint of a job.
 pub(super) fn checkpoint(
     connection: &Connection,
-    evolution: &str,
+    JobId { kind, number }: JobId,
 ) -> Result<Option<String>, ReadError> {
-    let select = "SELECT body FROM checkpoints WHERE evolution = ?1";
-    Ok(connection.query_row(select, [evolution], |row| row.get(0)).optional()?)
+    let select = "SELECT body FROM checkpoints WHERE kind = ?1 AND number = ?2";
+    let found = connection.query_row(select, params![kind.name(), bound(number)], |row| row.get(0));
+    Ok(found.optional()?)
+}
+
+/// SQLite's integers have a sign; nothing that is kept has a larger number.
+fn bound(number: u64) -> i64 {
+    i64::try_from(number).unwrap_or(i64::MAX)
 }
 
 fn rows<T>(

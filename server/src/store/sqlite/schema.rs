@@ -9,7 +9,8 @@ use rusqlite::{Connection, TransactionBehavior};
 pub(super) const APPLICATION_ID: i32 = 0x556d_7774;
 
 /// What leads from each version of the tables to the next, from none on.
-pub(super) const MIGRATIONS: &[&str] = &[include_str!("version-1.sql")];
+pub(super) const MIGRATIONS: &[&str] =
+    &[include_str!("version-1.sql"), include_str!("version-2.sql")];
 
 /// What stands in the way of using a database.
 #[derive(Debug, PartialEq)]

@@ -1,7 +1,7 @@
 use super::schema::{MIGRATIONS, Unusable};
 use super::*;
-use crate::store::tests::{evolution, id, record, saved};
-use crate::store::{Change, Posterior};
+use crate::store::tests::{evolution, id, id_of, record, saved};
+use crate::store::{Change, JobKind, Posterior};
 use std::fs;
 use std::path::PathBuf;
 use tempfile::{TempDir, tempdir};
@@ -31,7 +31,7 @@ fn learned(name: &str, revision: u64) -> Change {
 
 /// A change that takes many pages.
 fn large(number: u64) -> Change {
-    Change::PutEvolution(evolution(number, &"x".repeat(400_000)))
+    Change::PutJob(evolution(number, &"x".repeat(400_000)))
 }
 
 fn message(error: impl std::fmt::Display) -> String {
@@ -42,14 +42,12 @@ fn message(error: impl std::fmt::Display) -> String {
 fn what_is_acknowledged_is_there_when_it_is_opened_again() {
     let directory = tempdir().unwrap();
     let store = open(&directory);
-    store
-        .commit(vec![robot("r", 1), learned("r", 1), Change::PutEvolution(evolution(7, "x"))])
-        .unwrap();
+    store.commit(vec![robot("r", 1), learned("r", 1), Change::PutJob(evolution(7, "x"))]).unwrap();
     let before = store.load().unwrap();
     drop(store);
     let after = open(&directory).load().unwrap();
     assert_eq!(after, before);
-    assert!(after.robots[0].saved.is_some() && after.last_evolution == 7);
+    assert!(after.robots[0].saved.is_some() && after.last_number(JobKind::Evolution) == 7);
 }
 
 /// The bug to fear: an acknowledgement before the disk has it. A kill does not show it, only a power cut would.
@@ -149,7 +147,7 @@ fn a_store_whose_disk_was_full_works_again_once_there_is_room() {
         assert!(matches!(refused, Err(StoreError::Unavailable(_))), "{refused:?}");
         assert_eq!(store.load().unwrap(), before);
     }
-    store.commit(vec![Change::DeleteEvolution("evolution-1".into())]).unwrap();
+    store.commit(vec![Change::DeleteJob(id_of(JobKind::Evolution, 1))]).unwrap();
     assert_eq!(store.commit(vec![large(2), robot("s", 1)]), Ok(()));
     assert_eq!(store.probe(), Ok(()));
 }
@@ -223,7 +221,12 @@ fn a_database_of_version_1_opens() {
     let directory = tempdir().unwrap();
     let by_hand = include_str!("version-1-example.sql");
     beside(&directory).execute_batch(&format!("{}{by_hand}", MIGRATIONS[0])).unwrap();
-    let contents = open(&directory).load().unwrap();
+    let aside = tempdir().unwrap();
+    let made = backup(directory.path(), &file(&aside)).unwrap();
+    assert_eq!((made.evolutions, made.generations, made.comparisons), (1, 1, 0));
+    assert_eq!(schema::version(&beside(&aside), 1), Ok(Some(1)), "as old as what it is made of");
+    let store = open(&directory);
+    let contents = store.load().unwrap();
     let rover = &contents.robots[0];
     assert_eq!(rover.id, id("rover-7"));
     assert_eq!((rover.record.revision, rover.record.settings.slots), (12, 7));
@@ -237,13 +240,19 @@ fn a_database_of_version_1_opens() {
         crate::store::PriorSource::Evolution { seed: 18_446_744_073_709_551_615, .. }
     ));
     assert_eq!(contents.environments[0].body, "{\"version\":1}");
-    assert_eq!((contents.evolutions[0].number, contents.last_evolution), (3, 5));
+    // Evolutions became one kind of job in version 2.
+    let [evolution] = &contents.jobs[..] else { panic!("{:?}", contents.jobs) };
+    assert_eq!(evolution.id, id_of(JobKind::Evolution, 3));
+    assert_eq!((evolution.finished, evolution.body.as_str()), (true, "{\"version\":1}"));
+    assert_eq!(store.parts(evolution.id, 0, 9).unwrap()[0].body, "{\"generation\":0}");
+    assert_eq!(store.checkpoint(evolution.id).unwrap().as_deref(), Some("{\"checkpoint\":1}"));
+    assert_eq!(JobKind::ALL.map(|kind| contents.last_number(kind)), [5, 0]);
 }
 
 /// The bug to fear: the form of what robots learn changes under the same version, and all of them forget.
 #[test]
 fn the_form_of_what_was_learned_is_that_of_its_version() {
-    let (version, example) = (2, include_str!("saved-example.json").trim_end());
+    let (version, example) = (3, include_str!("saved-example.json").trim_end());
     assert_eq!(version, STATE_VERSION, "put the new form into saved-example.json");
     let saved = document::saved(example).unwrap_or_else(|why| panic!("raise STATE_VERSION: {why}"));
     assert_eq!(saved.belief().link.estimate().samples, 2);
@@ -347,14 +356,15 @@ fn a_store_is_tidied_up_into_one_file() {
 fn a_backup_of_a_store_in_use_is_a_data_file_of_its_own() {
     let directory = tempdir().unwrap();
     let store = open(&directory);
-    let generation =
-        Change::PutGeneration { evolution: "evolution-1".into(), index: 0, body: "g".into() };
-    let first = vec![robot("r", 1), Change::PutEvolution(evolution(1, "x")), generation];
+    let one = evolution(1, "x");
+    let generation = Change::PutPart { job: one.id, index: 0, body: "g".into() };
+    let first = vec![robot("r", 1), Change::PutJob(one), generation];
     store.commit(first).unwrap();
     let elsewhere = tempdir().unwrap();
     let target = file(&elsewhere);
     let made = backup(directory.path(), &target).unwrap();
     assert_eq!((made.robots, made.evolutions, made.generations), (1, 1, 1));
+    assert_eq!(made.comparisons, 0);
     assert_eq!(made.bytes, fs::metadata(&target).unwrap().len());
     let then = store.load().unwrap();
     store.commit(vec![robot("later", 1)]).unwrap();

@@ -7,6 +7,6 @@ INSERT INTO posteriors VALUES ('rover-7', 1, '{"belief":{"method":"bayesian","dr
 INSERT INTO priors VALUES ('wet-floor', '{"version":1,"prior":{"forward":{"mu":0.0,"k":1.0,"r":4.0,"s":0.045},"lateral":{"mu":0.0,"k":1.0,"r":4.0,"s":0.005000000000000001},"turn":{"mu":0.0,"k":1.0,"r":4.0,"s":0.045},"drift":{"mu":0.0,"k":1.0,"r":4.0,"s":0.005000000000000001}},"note":"n","source":{"kind":"evolution","evolution":"evolution-3","seed":18446744073709551615,"optimizer":"genetic","fitness":0.25}}');
 INSERT INTO environments VALUES ('ice', '{"version":1}');
 INSERT INTO evolutions VALUES ('evolution-3', 3, 1, '{"version":1}');
-INSERT INTO generations VALUES ('evolution-3', 0, '{}');
-INSERT INTO checkpoints VALUES ('evolution-3', '{}');
+INSERT INTO generations VALUES ('evolution-3', 0, '{"generation":0}');
+INSERT INTO checkpoints VALUES ('evolution-3', '{"checkpoint":1}');
 UPDATE numbers SET value = 5 WHERE name = 'last_evolution';

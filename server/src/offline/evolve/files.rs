@@ -1,20 +1,14 @@
 //! The files of an offline evolution: what `umwelt prior put` takes, the report, the generations and their figures.
 
-use super::outcome::pretty;
 use super::{Error, Outcome};
 use crate::figures::evolution::{Figure, svg};
+use crate::offline::folder::{put, put_figure};
+use crate::offline::pretty;
 use std::fmt::Write;
-use std::io;
 use std::path::Path;
 use umwelt_api::evolution::Generation as Shown;
 use umwelt_api::prior;
 use umwelt_core::evolution::{EvolutionSettings, Generation};
-
-/// Makes the folder where it is not there yet.
-pub(super) fn prepare(folder: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Error::Unwritten { what: folder.display().to_string(), error })
-}
 
 /// Fills the folder.
 pub(super) fn write(
@@ -23,23 +17,12 @@ pub(super) fn write(
     settings: &EvolutionSettings,
     generations: &[Generation],
 ) -> Result<(), Error> {
-    let put = |name: &str, text: String| {
-        let path = folder.join(name);
-        std::fs::write(&path, text)
-            .map_err(|error| Error::Unwritten { what: path.display().to_string(), error })
-    };
-    put("prior.json", pretty("prior.json", &champion(outcome))?)?;
-    put("report.json", outcome.json()?)?;
-    put("generations.csv", csv(generations))?;
+    put(folder, "prior.json", &pretty("prior.json", &champion(outcome))?)?;
+    put(folder, "report.json", &outcome.json()?)?;
+    put(folder, "generations.csv", &csv(generations))?;
     let name = format!("{}-{}", outcome.preset.name(), outcome.seed);
     for figure in Figure::ALL {
-        let file = format!("{}.svg", figure.name());
-        let drawn = svg(figure, &name, settings, generations);
-        let drawn = drawn.map_err(|error| Error::Unwritten {
-            what: file.clone(),
-            error: io::Error::other(error),
-        });
-        put(&file, drawn?)?;
+        put_figure(folder, figure.name(), svg(figure, &name, settings, generations))?;
     }
     Ok(())
 }

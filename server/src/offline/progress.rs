@@ -1,12 +1,11 @@
-//! How far an evolution has got, on standard error: a bar on a terminal, a line now and then elsewhere.
+//! How far a job has got, on standard error: a bar on a terminal, a line now and then elsewhere.
 
-use crate::evolution::run::Meter;
+use crate::jobs::{Meter, remaining};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use umwelt_core::evolution::{Evolution, Generation, Stage};
 
 /// How often a bar moves.
 const BAR: Duration = Duration::from_millis(100);
@@ -14,7 +13,7 @@ const BAR: Duration = Duration::from_millis(100);
 /// How often a line is written where there is no terminal: a log is to be read, not to be filled.
 const LINE: Duration = Duration::from_secs(2);
 
-/// Shows how far an evolution has got.
+/// Shows how far a job has got.
 pub(super) struct Progress {
     /// None where there is no terminal.
     bar: Option<ProgressBar>,
@@ -30,8 +29,8 @@ struct Shown {
 }
 
 impl Progress {
-    /// Of an evolution that has not begun.
-    pub(super) fn begin(evolution: &Evolution) -> Self {
+    /// Of a job that has not begun: what it does first, and how many episodes there are.
+    pub(super) fn begin(stage: String, total: u64) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let template = "{msg} {wide_bar} {pos}/{len} episodes, {elapsed} + {eta}";
             let style = ProgressStyle::with_template(template);
@@ -39,26 +38,12 @@ impl Progress {
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         let progress = Self { bar, shown: Mutex::default(), begin: Instant::now() };
-        progress.say(evolution, None);
+        progress.say(stage, total);
         progress
     }
 
-    /// Takes in where the evolution stands between two batches.
-    pub(super) fn say(&self, evolution: &Evolution, last: Option<&Generation>) {
-        let stage = match evolution.stage() {
-            Stage::Reference => "reference".to_owned(),
-            Stage::Generations { generation } => {
-                format!("generation {} of {}", generation + 1, evolution.settings().generations)
-            }
-            Stage::Selection => "selection".to_owned(),
-            Stage::Report => "report".to_owned(),
-            Stage::Done => "done".to_owned(),
-        };
-        let fitness = last.map(|it| {
-            format!(", last fitness: best {:.3}, mean {:.3}", it.fitness.best, it.fitness.mean)
-        });
-        let stage = stage + &fitness.unwrap_or_default();
-        let total = evolution.total_episodes();
+    /// Takes in where it stands between two batches.
+    pub(super) fn say(&self, stage: String, total: u64) {
         if let Some(bar) = &self.bar {
             bar.set_length(total);
             bar.set_message(stage.clone());
@@ -93,9 +78,9 @@ impl Progress {
         let Shown { stage, total } =
             self.shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let elapsed = self.begin.elapsed().as_secs_f64();
-        let left = super::super::remaining(elapsed, episodes, total);
+        let left = remaining(elapsed, episodes, total);
         let left = left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
-        // Nobody may read it; the evolution goes on.
+        // Nobody may read it; the job goes on.
         let _ = writeln!(
             std::io::stderr(),
             "{stage}; {episodes} of {total} episodes in {elapsed:.0} s{left}"

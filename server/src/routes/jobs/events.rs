@@ -1,14 +1,14 @@
-//! What happens to an evolution, as server-sent events.
+//! What happens to a job, as server-sent events.
 //!
-//! Invariants: every generation is told once, in order, and only once it is kept; the id of an event is the number of
-//! generations that have ended, so a stream resumes after a restart where it was; no state counts a generation that was
-//! not told before it, and the state in which the evolution has ended is the last event.
+//! Invariants: nothing is told that is not kept; no state counts anything that was not told before it, and the state in
+//! which the job has ended is the last event; the id of an event is the same after a restart, so a stream resumes where
+//! it was.
 
-use super::kept;
+use super::Resource;
 use crate::app::App;
-use crate::evolution::{Job, Shown};
-use crate::extract::Evolution;
+use crate::extract::Named;
 use crate::failure::{self, Result};
+use crate::jobs::{Job, Shown};
 use crate::routes::events::{KEEP_ALIVE, last_event_id};
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -20,17 +20,13 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, watch};
-use umwelt_api::evolution::{Event, Generation, Kind};
 
 /// How often the state is told while nothing but time passes.
 const TICK: Duration = Duration::from_secs(2);
 
-/// Generations that are read from the store at a time.
-const AT_A_TIME: usize = 50;
-
-pub(crate) async fn events(
+pub(crate) async fn events<W: Resource>(
     State(app): State<App>,
-    Evolution(job): Evolution,
+    Named(job): Named<W>,
     headers: HeaderMap,
 ) -> Result {
     let told = last_event_id(&headers)?.unwrap_or(0);
@@ -55,22 +51,22 @@ pub(crate) async fn events(
     Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response())
 }
 
-/// Somebody who follows an evolution.
-struct Follower {
+/// Somebody who follows a job.
+struct Follower<W: Resource> {
     app: App,
-    job: Arc<Job>,
-    shown: watch::Receiver<Shown>,
+    job: Arc<Job<W>>,
+    shown: watch::Receiver<Shown<W>>,
     closing: watch::Receiver<bool>,
-    /// Generations that have been told.
+    /// What has been told, beside states.
     told: u64,
     ready: VecDeque<sse::Event>,
-    /// Whether the state is to be told once the generations are.
+    /// Whether the state is to be told once the news are.
     is_state_due: bool,
     is_over: bool,
     _permit: OwnedSemaphorePermit,
 }
 
-impl Follower {
+impl<W: Resource> Follower<W> {
     /// The next event; none at the end.
     async fn next(&mut self) -> Option<sse::Event> {
         loop {
@@ -81,13 +77,18 @@ impl Follower {
                 return None;
             }
             let shown = self.shown.borrow_and_update().clone();
-            if shown.generations() > self.told {
-                self.tell_generations().await?;
+            // None where they cannot be had: the follower will ask again for them.
+            let news = W::news(&self.app, &self.job, &shown, self.told).await?;
+            if !news.is_empty() {
+                for (told, event) in news {
+                    self.told = told;
+                    self.tell(event);
+                }
                 self.is_state_due = true;
             } else if self.is_state_due {
                 self.is_state_due = false;
                 self.is_over = shown.has_ended() || shown.removed;
-                self.tell(&self.job.event(&shown));
+                self.tell(W::event(&self.job, &shown));
             } else {
                 tokio::select! {
                     changed = self.shown.changed() => changed.ok()?,
@@ -99,35 +100,13 @@ impl Follower {
         }
     }
 
-    /// Makes the next generations ready; none where they cannot be had: the follower will ask again for them.
-    async fn tell_generations(&mut self) -> Option<()> {
-        let from = usize::try_from(self.told).ok()?;
-        let bred = match kept(&self.app, &self.job, from, AT_A_TIME).await {
-            Ok(bred) if !bred.is_empty() => bred,
-            // Forgotten meanwhile.
-            Ok(_) => return None,
-            Err(failure) => {
-                tracing::error!(evolution = %self.job.id(), error = failure.message(), "a stream ends");
-                return None;
+    /// Makes an event ready.
+    fn tell(&mut self, event: Result<sse::Event, axum::Error>) {
+        match event {
+            Ok(event) => self.ready.push_back(event),
+            Err(error) => {
+                tracing::error!(job = %self.job.id(), %error, "an event could not be written");
             }
-        };
-        for generation in &bred {
-            let event = Event::generation(self.job.id().clone(), Generation::from(generation));
-            self.told = event.id;
-            self.tell(&event);
-        }
-        Some(())
-    }
-
-    /// Makes an event ready. A state has no id in the stream: it would count generations as told.
-    fn tell(&mut self, event: &Event) {
-        let mut written = sse::Event::default().event(event.kind.name());
-        if matches!(event.kind, Kind::Generation { .. }) {
-            written = written.id(event.id.to_string());
-        }
-        match written.json_data(event) {
-            Ok(written) => self.ready.push_back(written),
-            Err(error) => tracing::error!(id = event.id, %error, "an event could not be written"),
         }
     }
 }

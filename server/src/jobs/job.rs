@@ -1,0 +1,150 @@
+//! One job in the server: what is shown of it, and how it is told to stop.
+//!
+//! Invariant: what is shown is what is kept, but for the episodes and the time of the batch that is going on.
+
+use super::pool::Meter;
+use super::queue::Start;
+use super::record::{Record, State};
+use super::remaining;
+use super::work::Work;
+use crate::store::JobId;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, PoisonError};
+use tokio::sync::{Mutex, Notify, watch};
+use tokio::time::Instant;
+
+/// A job.
+#[derive(Debug)]
+pub(crate) struct Job<W: Work> {
+    id: JobId,
+    shown: watch::Sender<Shown<W>>,
+    /// Held by whoever changes its state while it is not running.
+    pub(super) changing: Mutex<()>,
+    pub(super) meter: Meter,
+    /// Where it is taken up; fresh once it was.
+    start: std::sync::Mutex<Start<W>>,
+    is_cancelled: AtomicBool,
+    /// Wakes whoever waits for the store on behalf of it.
+    pub(super) cancelling: Notify,
+}
+
+/// What is shown of a job at one moment.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown<W: Work> {
+    pub(crate) record: Arc<Record<W>>,
+    /// Since when it runs; none while it does not.
+    since: Option<Instant>,
+    /// What keeps it from going on.
+    pub(crate) trouble: Option<Arc<str>>,
+    /// Whether it was removed.
+    pub(crate) removed: bool,
+}
+
+/// How fast a job goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pace {
+    /// Episodes driven, those of the batch that is going on included.
+    pub(crate) episodes: u64,
+    pub(crate) total_episodes: u64,
+    /// Time in s for which it has run.
+    pub(crate) elapsed: f64,
+    /// Time in s that it will still need; none where that is not known.
+    pub(crate) remaining: Option<f64>,
+}
+
+impl<W: Work> Job<W> {
+    pub(super) fn new(id: JobId, record: Record<W>, start: Start<W>) -> Self {
+        let shown = Shown { record: record.into(), since: None, trouble: None, removed: false };
+        Self {
+            id,
+            shown: watch::Sender::new(shown),
+            changing: Mutex::default(),
+            meter: Meter::default(),
+            start: start.into(),
+            is_cancelled: AtomicBool::default(),
+            cancelling: Notify::new(),
+        }
+    }
+
+    /// Its id.
+    pub(crate) fn id(&self) -> JobId {
+        self.id
+    }
+
+    /// What is shown of it now.
+    pub(crate) fn shown(&self) -> Shown<W> {
+        self.shown.borrow().clone()
+    }
+
+    /// Where it stands.
+    pub(crate) fn state(&self) -> State {
+        self.shown.borrow().record.state
+    }
+
+    /// To wait for what is shown next.
+    pub(crate) fn follow(&self) -> watch::Receiver<Shown<W>> {
+        self.shown.subscribe()
+    }
+
+    /// Shows what is kept now. Time counts from now on while it runs.
+    pub(super) fn show(&self, record: Record<W>) {
+        let since = (record.state == State::Running).then(Instant::now);
+        self.shown.send_modify(|shown| {
+            *shown = Shown { record: record.into(), since, trouble: None, removed: false };
+        });
+    }
+
+    /// Shows what keeps it from going on.
+    pub(super) fn show_trouble(&self, trouble: &str) {
+        self.shown.send_modify(|shown| shown.trouble = Some(trouble.into()));
+    }
+
+    /// Shows it no more.
+    pub(super) fn show_removed(&self) {
+        self.shown.send_modify(|shown| shown.removed = true);
+    }
+
+    /// Where it is to be taken up.
+    pub(super) fn take_start(&self) -> Start<W> {
+        let mut start = self.start.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::replace(&mut start, Start::Fresh)
+    }
+
+    /// Tells it to stop for good.
+    pub(super) fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::SeqCst);
+        self.meter.stop();
+        self.cancelling.notify_one();
+    }
+
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::SeqCst)
+    }
+
+    /// How fast it goes, at the moment of `shown`.
+    pub(crate) fn pace(&self, shown: &Shown<W>) -> Pace {
+        let reached = &shown.record.reached;
+        let total_episodes = reached.total_episodes;
+        let Some(since) = shown.since else {
+            let (episodes, elapsed) = (reached.episodes, reached.elapsed);
+            return Pace { episodes, total_episodes, elapsed, remaining: None };
+        };
+        let episodes = reached.episodes.max(self.meter.episodes());
+        let elapsed = reached.elapsed + since.elapsed().as_secs_f64();
+        let remaining = remaining(elapsed, episodes, total_episodes);
+        Pace { episodes, total_episodes, elapsed, remaining }
+    }
+}
+
+impl<W: Work> Shown<W> {
+    /// Why it failed, or what keeps it from going on.
+    pub(crate) fn error(&self) -> Option<String> {
+        let trouble = self.trouble.as_deref().map(str::to_owned);
+        self.record.error.clone().or(trouble)
+    }
+
+    /// Whether it will never change again.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.record.state.has_ended()
+    }
+}
