@@ -3,12 +3,15 @@
 //! Results go to standard output, everything else to standard error. Exit status: 0; 1 where it failed; 2 where the
 //! call was wrong. Nothing of it knows HTTP: it asks [`Client`].
 
+mod compare;
+mod comparison;
 mod environment;
 mod events;
 mod evolution;
 mod evolve;
 mod failure;
 mod input;
+mod job;
 mod output;
 mod prior;
 mod progress;
@@ -32,6 +35,7 @@ Examples:
   umwelt environment show rover-7
   umwelt evolve --environments normal,slippery --prior wet-hall --watch
   umwelt robot add rover-7 --prior wet-hall
+  umwelt compare --methods statistic,bayesian --prior wet-hall
   umwelt stop --all
   umwelt --json robot list --state lost | jq -r '.robots[].robot'
 
@@ -76,6 +80,11 @@ enum Command {
     /// Watch, compare, draw, cancel and remove evolutions
     #[command(subcommand)]
     Evolution(evolution::Command),
+    /// Compare methods in simulated environments, in the background of the server
+    Compare(compare::Compare),
+    /// List, show, watch, draw, cancel and remove comparisons
+    #[command(subcommand)]
+    Comparison(comparison::Command),
     /// Stop a robot, or all, until resumed
     Stop(stop::Which),
     /// Let a stopped robot, or all, go on
@@ -107,6 +116,8 @@ async fn run(server: &str, command: Command, output: &mut Output) -> Result<(), 
         Command::Prior(command) => command.run(&client, output).await,
         Command::Evolve(evolve) => evolve.run(&client, output).await,
         Command::Evolution(command) => command.run(&client, output).await,
+        Command::Compare(compare) => compare.run(&client, output).await,
+        Command::Comparison(command) => command.run(&client, output).await,
         Command::Stop(which) => which.run(&client, output, true).await,
         Command::Resume(which) => which.run(&client, output, false).await,
         Command::Events(follow) => follow.run(&client, output).await,
@@ -155,6 +166,12 @@ mod tests {
             "umwelt evolution show",
             "umwelt evolution show Evolution",
             "umwelt evolution list --state gone",
+            "umwelt compare --scenario moon",
+            "umwelt compare --trials many",
+            "umwelt compare --prior Wet",
+            "umwelt comparison show Comparison",
+            "umwelt comparison list --state gone",
+            "umwelt comparison report comparison-1 --force",
             "umwelt prior put wet",
             "umwelt environment put wet",
             "umwelt environment describe",
@@ -188,6 +205,10 @@ mod tests {
             "umwelt prior put a --file /nonexistent/prior.json",
             "umwelt environment put a --file /",
             "umwelt evolution plot evolution-1 --out /dev/null/plots",
+            "umwelt compare --trials 1",
+            "umwelt compare --methods bayesian,bayesian",
+            "umwelt comparison plot comparison-1 --out /dev/null/plots",
+            "umwelt comparison trials comparison-1 --out /",
         ] {
             let failure = failure(line).await;
             assert!(matches!(failure, Failure::Wrong(_)), "{line}: {failure:?}");

@@ -1,13 +1,10 @@
 //! Priors, simulated environments and evolutions: one method per route.
 
-use crate::call::Call;
 use crate::client::Client;
 use crate::error::Error;
 use crate::pages::{self, add_query};
-use crate::retry::MAX_RETRIES;
 use futures_util::stream::BoxStream;
-use reqwest::{Method, Url};
-use tower::util::rng::{HasherRng, Rng};
+use reqwest::Url;
 use umwelt_api::evolution::{self, Evolution, Figure, Generation, GenerationsPage};
 use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
 use umwelt_api::prior::{self, Prior};
@@ -16,16 +13,6 @@ use umwelt_api::{EnvironmentId, EvolutionId, IdempotencyKey, PriorId};
 
 /// Evolutions of a page, of which each may have a report of some tens of kilobytes.
 const EVOLUTIONS_SIZE: u64 = 50;
-
-/// An idempotency key that nobody else has: 128 random bits.
-///
-/// # Panics
-/// Never: hexadecimal digits are a key.
-pub fn fresh_key() -> IdempotencyKey {
-    let mut random = HasherRng::new();
-    let key = format!("{:016x}{:016x}", random.next_u64(), random.next_u64());
-    key.parse().expect("hexadecimal digits are visible ASCII")
-}
 
 impl Client {
     /// Names a prior, for the first time or anew.
@@ -135,7 +122,7 @@ impl Client {
         })
     }
 
-    /// Submits an evolution. Sent twice under one `key` it is one evolution; without one a [`fresh_key`] is taken, so
+    /// Submits an evolution. Sent twice under one `key` it is one evolution; without one a [`crate::fresh_key`] is taken, so
     /// that the retries of this call are safe. To try again after an error, keep the key.
     ///
     /// # Errors
@@ -146,10 +133,7 @@ impl Client {
         request: &evolution::Request,
         key: Option<&IdempotencyKey>,
     ) -> Result<Evolution, Error> {
-        let url = self.at(&["v1", "evolutions"]);
-        let call = self.call(Method::POST, url).with_json(request)?;
-        let idempotency_key = Some(key.cloned().unwrap_or_else(fresh_key));
-        self.typed(Call { idempotency_key, ..call }).await
+        self.create(self.at(&["v1", "evolutions"]), request, key).await
     }
 
     /// How far an evolution has got, and what it found.
@@ -244,16 +228,7 @@ impl Client {
     /// FAILED_PRECONDITION before the first generation has ended, NOT_FOUND where the evolution is not known,
     /// [`Error::Protocol`] where the answer is no text, and whatever [`Error`] tells.
     pub async fn figure(&self, evolution: &EvolutionId, figure: Figure) -> Result<String, Error> {
-        let url = self.evolution(evolution, &["figures", figure.name()]);
-        let call = Call::new(Method::GET, url, self.allowed(), MAX_RETRIES);
-        let call = Call { accept: Figure::MEDIA_TYPE, ..call };
-        let what = call.what.clone();
-        let bytes = self.bytes(call).await?;
-        let svg = std::str::from_utf8(&bytes).ok().filter(|text| text.contains("<svg"));
-        svg.map(str::to_owned).ok_or_else(|| Error::Protocol {
-            what: what.as_ref().into(),
-            why: "the answer is no SVG".to_owned(),
-        })
+        self.svg(self.evolution(evolution, &["figures", figure.name()])).await
     }
 
     fn evolution(&self, evolution: &EvolutionId, below: &[&str]) -> Url {

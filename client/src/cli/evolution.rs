@@ -2,23 +2,26 @@
 
 mod plot;
 pub(super) mod report;
-pub(super) mod watch;
 
 use super::failure::Failure;
 use super::input;
+use super::job::watch::{Told, watch};
+use super::job::{At, Job, News, STATES, described, episodes, time_left};
 use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{UNKNOWN, millimetres, or_unknown, percent, span};
 use super::table::{Column, Table};
 use crate::client::Client;
+use crate::error::Error;
+use crate::events::EvolutionEvents;
 use clap::Subcommand;
 use futures_util::TryStreamExt;
 use serde_json::json;
 use std::fmt::Write;
 use umwelt_api::EvolutionId;
-use umwelt_api::evolution::{Evolution, GenerationsPage, Page, Progress, Spec, Stage, State};
-
-const STATES: &[&str] = &["queued", "running", "succeeded", "failed", "cancelled"];
+use umwelt_api::evolution::{
+    Event, Evolution, GenerationsPage, Kind, Page, Progress, Spec, Stage, State,
+};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -84,7 +87,7 @@ impl Command {
             }
             Self::Watch { evolution } => {
                 let evolution = wait(client.get_evolution(&evolution)).await?;
-                watch::watch(client, output, evolution).await
+                watch(client, output, &evolution, Told::Everything).await
             }
             Self::Generations { evolution } => {
                 let generations = wait(client.generations(&evolution).try_collect()).await?;
@@ -108,8 +111,55 @@ impl Command {
     }
 }
 
+impl Job for Evolution {
+    const NOUN: &str = "evolution";
+    type Event = Event;
+
+    fn id(&self) -> &str {
+        self.evolution.as_str()
+    }
+
+    fn state(&self) -> State {
+        self.state
+    }
+
+    fn at(&self) -> At {
+        at(&self.progress)
+    }
+
+    fn error(&self) -> Option<&str> {
+        self.error.as_deref()
+    }
+
+    fn shown(&self) -> String {
+        show(self)
+    }
+
+    async fn newest(&self, client: &Client) -> Result<Self, Error> {
+        client.get_evolution(&self.evolution).await
+    }
+
+    async fn events(&self, client: &Client) -> Result<EvolutionEvents, Error> {
+        // The generations that have ended before are not news.
+        client.evolution_events(&self.evolution, Some(self.progress.generation)).await
+    }
+
+    fn news(event: &Event) -> News {
+        match &event.kind {
+            Kind::State { state, progress, .. } => News::State(*state, at(progress)),
+            Kind::Generation { .. } => News::Other,
+            Kind::Other => News::Unknown,
+        }
+    }
+}
+
+fn at(progress: &Progress) -> At {
+    let Progress { episodes, total_episodes, .. } = *progress;
+    At { episodes, total_episodes, words: words(progress) }
+}
+
 /// How far an evolution has got, as `generation 5/30, best 1.320, mean 1.104, 12.0 s left`.
-fn progress(progress: &Progress) -> String {
+fn words(progress: &Progress) -> String {
     let Progress { generation, generations, .. } = progress;
     let mut text = match progress.stage {
         Stage::Queued => "waiting for its turn".to_owned(),
@@ -122,11 +172,8 @@ fn progress(progress: &Progress) -> String {
     if let (Some(best), Some(mean)) = (progress.best_fitness, progress.mean_fitness) {
         let _ = write!(text, ", best {best:.3}, mean {mean:.3}");
     }
-    match progress.remaining_s {
-        Some(seconds) if progress.stage != Stage::Done => {
-            let _ = write!(text, ", {} left", span(seconds));
-        }
-        _ => {}
+    if progress.stage != Stage::Done {
+        text += &time_left(progress.remaining_s);
     }
     text
 }
@@ -165,28 +212,14 @@ fn list(page: &Page) -> String {
 }
 
 fn show(evolution: &Evolution) -> String {
-    let Evolution { evolution: id, state, spec, progress: at, .. } = evolution;
-    let mut text = format!("{id}: {}, {}\n", state.name(), progress(at));
-    if let Some(error) = &evolution.error {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "  error        {error}");
-    }
-    let restarts = match evolution.interrupted {
-        0 => String::new(),
-        1 => ", resumed after one restart of the server".to_owned(),
-        count => format!(", resumed after {count} restarts of the server"),
-    };
-    let episodes =
-        format!("{} of {}, {}{restarts}", at.episodes, at.total_episodes, span(at.elapsed_s));
+    let Evolution { spec, progress, interrupted, .. } = evolution;
     let lines = [
         ("environments", spec.environments.join(", ")),
         ("search", search(spec)),
-        ("episodes", episodes),
+        ("episodes", episodes(&at(progress), progress.elapsed_s, *interrupted)),
         ("prior", kept(evolution)),
     ];
-    for (name, value) in lines {
-        let _ = writeln!(text, "  {name:<12} {value}");
-    }
+    let mut text = described(evolution, &lines);
     if let Some(champion) = &evolution.champion {
         let _ = write!(text, "\n{}", report::text(champion));
     }

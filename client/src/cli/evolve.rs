@@ -1,15 +1,15 @@
 //! `umwelt evolve`.
 
-use super::evolution::watch;
 use super::failure::Failure;
 use super::input;
+use super::job::watch::{Told, watch};
+use super::job::{accepted, refused};
 use super::output::Output;
 use super::progress::{say, wait};
 use crate::client::Client;
-use crate::error::Error;
-use crate::evolve::fresh_key;
+use crate::jobs::fresh_key;
 use clap::Args;
-use umwelt_api::evolution::{Evolution, Optimizer, Preset, Request, State};
+use umwelt_api::evolution::{Optimizer, Preset, Request};
 use umwelt_api::{EnvironmentId, IdempotencyKey, PriorId};
 
 const PRESETS: &[&str] = &["default", "thesis", "quick"];
@@ -77,7 +77,7 @@ impl Evolve {
             return output.result(&evolution, accepted);
         }
         say(&accepted(&evolution));
-        watch::watch(client, output, evolution).await
+        watch(client, output, &evolution, Told::Everything).await
     }
 
     fn request(&self) -> Result<Request, Failure> {
@@ -98,29 +98,6 @@ impl Evolve {
         request.validate().map_err(|problems| Failure::wrong_body("the evolution", &problems))?;
         Ok(request)
     }
-}
-
-/// Why it was not submitted; where it may have been all the same, how to find out without a second one.
-fn refused(error: Error, key: &IdempotencyKey) -> Failure {
-    let unsure = matches!(error, Error::Transport { .. });
-    match Failure::from(error) {
-        Failure::Failed(text) if unsure => Failure::Failed(format!(
-            "{text}\n  the same again with --idempotency-key {key} submits it no more than once"
-        )),
-        failure => failure,
-    }
-}
-
-fn accepted(evolution: &Evolution) -> String {
-    let id = &evolution.evolution;
-    let state = match evolution.state {
-        State::Queued => "waits for its turn",
-        State::Running => "goes on",
-        State::Succeeded => "has succeeded",
-        State::Failed => "has failed",
-        State::Cancelled => "was cancelled",
-    };
-    format!("{id} {state}; watch it: umwelt evolution watch {id}")
 }
 
 #[cfg(test)]
@@ -178,18 +155,5 @@ mod tests {
         assert!(
             OPTIMIZERS.iter().map(read).all(|it| serde_json::from_value::<Optimizer>(it).is_ok())
         );
-    }
-
-    #[test]
-    fn who_cannot_know_whether_it_was_submitted_is_told_the_key() {
-        let key = "k-1".parse().unwrap();
-        let what: Box<str> = "POST http://h/v1/evolutions".into();
-        let cause = "reset".to_owned();
-        let lost = Error::Transport { what: what.clone(), failure: crate::Failure::Closed, cause };
-        let Failure::Failed(text) = refused(lost, &key) else { panic!("the call was right") };
-        assert!(text.contains("--idempotency-key k-1"), "{text}");
-        let foreign = Error::Protocol { what, why: "w".to_owned() };
-        let Failure::Failed(text) = refused(foreign, &key) else { panic!("the call was right") };
-        assert!(!text.contains("k-1"), "{text}");
     }
 }

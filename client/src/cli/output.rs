@@ -23,6 +23,24 @@ impl Output {
         Self { json: false, terminal: false, to: Box::new(io::sink()) }
     }
 
+    /// An output, and what is written to it.
+    #[cfg(test)]
+    pub(super) fn kept(json: bool) -> (Self, std::sync::Arc<std::sync::Mutex<Vec<u8>>>) {
+        #[derive(Clone, Default)]
+        struct Kept(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+        impl Write for Kept {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                self.0.lock().unwrap().write(bytes)
+            }
+
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let kept = Kept::default();
+        (Self { json, terminal: false, to: Box::new(kept.clone()) }, kept.0)
+    }
+
     /// Writes the one result of a command.
     pub(super) fn result<T: Serialize>(
         &mut self,

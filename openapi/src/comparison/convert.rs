@@ -80,11 +80,11 @@ impl Request {
         settings
     }
 
-    /// Those of `all` that are asked for, in the order of `all`; none where something is wrong with that.
+    /// Those of `all` that are asked for, in the order of `all`; none where nobody knows one of them.
     fn contenders(&self, all: &[Contender], check: &mut Check) -> Option<Vec<Contender>> {
         let Some(methods) = &self.methods else { return Some(all.to_vec()) };
         let mut asked = vec![false; all.len()];
-        let mut is_right = true;
+        let mut all_known = true;
         for (index, method) in methods.iter().enumerate() {
             let is_meant = |it: &Contender| it.name == *method || it.label() == *method;
             let meant: Vec<_> = (0..all.len()).filter(|&place| is_meant(&all[place])).collect();
@@ -92,18 +92,17 @@ impl Request {
             if meant.is_empty() {
                 let remedy = known_methods(method, all);
                 check.report(reason::UNKNOWN_METHOD, &field, method.as_str(), remedy);
-                is_right = false;
+                all_known = false;
             // The same text twice is reported by the check of the field.
             } else if meant.iter().any(|&place| asked[place]) && !methods[..index].contains(method)
             {
                 let remedy = "it stands under another name already: name it once";
                 check.report(reason::REPEATED, &field, method.as_str(), remedy);
-                is_right = false;
             }
             meant.into_iter().for_each(|place| asked[place] = true);
         }
         let chosen = all.iter().zip(asked).filter(|(_, asked)| *asked);
-        is_right.then(|| chosen.map(|(contender, _)| contender.clone()).collect())
+        all_known.then(|| chosen.map(|(contender, _)| contender.clone()).collect())
     }
 
     /// What only the whole can say.

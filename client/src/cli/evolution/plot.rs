@@ -1,14 +1,11 @@
 //! `umwelt evolution plot`.
 
 use super::super::failure::Failure;
+use super::super::job::files::Directory;
 use super::super::output::Output;
 use super::super::progress::wait;
 use crate::client::Client;
 use clap::Args;
-use serde_json::json;
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
 use umwelt_api::EvolutionId;
 use umwelt_api::evolution::Figure;
 
@@ -24,62 +21,19 @@ pub(in super::super) struct Plot {
     /// The evolution
     #[arg(value_name = "ID")]
     evolution: EvolutionId,
-    /// Directory for the files
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    out: PathBuf,
-    /// Replace files that are there already
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    to: Directory,
 }
 
 impl Plot {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
-        let files = self.files()?;
-        let mut written = Vec::new();
-        for (figure, path) in files {
-            let svg = wait(client.figure(&self.evolution, figure)).await?;
-            write(&path, &svg, self.force)?;
-            written.push(path.display().to_string());
+        let id = self.evolution.as_str();
+        let mut figures = Vec::new();
+        for (figure, path) in self.to.files(id, &Figure::ALL, Figure::name)? {
+            figures.push((path, wait(client.figure(&self.evolution, figure)).await?));
         }
-        let answer = json!({ "evolution": self.evolution, "files": written });
-        output.result(&answer, |_| written.join("\n"))
+        self.to.write(output, ("evolution", id), &figures)
     }
-
-    /// The figures and their files; none is drawn where one of them could not be written.
-    fn files(&self) -> Result<Vec<(Figure, PathBuf)>, Failure> {
-        std::fs::create_dir_all(&self.out).map_err(|error| {
-            Failure::Wrong(format!("{} cannot be made: {error}", self.out.display()))
-        })?;
-        let file = |figure: Figure| {
-            (figure, self.out.join(format!("{}-{}.svg", self.evolution, figure.name())))
-        };
-        let files: Vec<_> = Figure::ALL.into_iter().map(file).collect();
-        let taken =
-            files.iter().find(|(_, path)| !self.force && fs::symlink_metadata(path).is_ok());
-        match taken {
-            Some((_, path)) => Err(is_there(path)),
-            None => Ok(files),
-        }
-    }
-}
-
-fn is_there(path: &Path) -> Failure {
-    Failure::Wrong(format!("{} is there already: --force replaces it", path.display()))
-}
-
-fn write(path: &Path, svg: &str, force: bool) -> Result<(), Failure> {
-    let mut options = OpenOptions::new();
-    if force {
-        options.write(true).create(true).truncate(true);
-    } else {
-        // Somebody else may have made it since we looked.
-        options.write(true).create_new(true);
-    }
-    let written = options.open(path).and_then(|mut file| file.write_all(svg.as_bytes()));
-    written.map_err(|error| match error.kind() {
-        io::ErrorKind::AlreadyExists => is_there(path),
-        _ => Failure::Failed(format!("cannot write {}: {error}", path.display())),
-    })
 }
 
 #[cfg(test)]
@@ -87,9 +41,12 @@ mod tests {
     use super::*;
     use crate::test_server::{Server, answer};
     use hyper::StatusCode;
+    use std::fs;
+    use std::path::Path;
 
     fn plot(out: &Path, force: bool) -> Plot {
-        Plot { evolution: "evolution-12".parse().unwrap(), out: out.to_owned(), force }
+        let to = Directory { out: out.to_owned(), force };
+        Plot { evolution: "evolution-12".parse().unwrap(), to }
     }
 
     #[tokio::test]
@@ -118,12 +75,5 @@ mod tests {
         assert!(!directory.path().join("evolution-12-deviation.svg").exists());
         run(true).await.unwrap();
         assert!(content("evolution-12-time.svg").contains("figures/time"));
-        let path = directory.path().join("evolution-12-time.svg");
-        assert!(matches!(write(&path, "x", false), Err(Failure::Wrong(_))));
-    }
-
-    #[test]
-    fn a_directory_that_cannot_be_made_is_a_wrong_call() {
-        assert!(matches!(plot(Path::new("/dev/null/plots"), true).files(), Err(Failure::Wrong(_))));
     }
 }

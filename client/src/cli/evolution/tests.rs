@@ -117,9 +117,9 @@ fn progress_says_generation_best_mean_and_time_left() {
         remaining_s: Some(12.34),
         ..evolution().progress
     };
-    assert_eq!(progress(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
+    assert_eq!(words(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
     let done = Progress { stage: Stage::Done, remaining_s: Some(0.0), ..at };
-    assert_eq!(progress(&done), "12 generations, best 1.320, mean 1.104");
+    assert_eq!(words(&done), "12 generations, best 1.320, mean 1.104");
 }
 
 #[test]
@@ -168,9 +168,4 @@ GENERATION   BEST   MEAN  ENVIRONMENT  BEST DEVIATION  MEAN DEVIATION  BEST TIME
 "
     );
     assert_eq!(list(&Page::default()) + &generations_table(&GenerationsPage::default()), "");
-}
-
-#[test]
-fn states_are_called_as_on_the_wire() {
-    assert_eq!(STATES, State::ALL.map(State::name));
 }
