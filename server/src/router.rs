@@ -66,6 +66,7 @@ pub(crate) fn router(app: App) -> Router {
         .route("/v1/comparisons/{comparison}/events", get(jobs::events::<Comparison>))
         .route("/v1/comparisons/{comparison}/figures/{figure}", get(comparisons::figure))
         .route("/v1/comparisons/{comparison}/trials.csv", get(comparisons::trials))
+        .route("/v1/comparisons/{comparison}/report.md", get(comparisons::report))
         // What happens
         .route("/v1/robots/{robot}/events", get(events::of_robot))
         .route("/v1/events", get(events::of_all))

@@ -4,7 +4,7 @@ mod outcome;
 mod text;
 
 use super::{Error, Order, folder, say};
-use crate::comparison::csv;
+use crate::comparison::{csv, report};
 use crate::figures::comparison::{Figure, svg};
 use outcome::Outcome;
 use std::io::Write;
@@ -49,6 +49,8 @@ fn write(
     let rows = distributions.iter().map(csv::rows);
     let lines: String = std::iter::once(csv::header()).chain(rows).collect();
     folder::put(folder, "trials.csv", &lines)?;
+    let prior = outcome.spec.prior.as_deref().unwrap_or_default();
+    folder::put(folder, "compare.md", &report::markdown(settings, prior, &outcome.report))?;
     let name = format!("{}-{}", settings.scenario, settings.seed);
     for figure in Figure::ALL {
         folder::put_figure(folder, figure.name(), svg(figure, &name, settings, distributions))?;

@@ -4,10 +4,10 @@ use super::jobs::{
     Resource, drawn, figure as figure_of, idempotency_key, parts, repeated, submitted,
 };
 use crate::app::App;
-use crate::comparison::csv;
+use crate::comparison::{csv, report};
 use crate::etag;
 use crate::extract::{Body, Named};
-use crate::failure::{Failure, Result};
+use crate::failure::{self, Failure, Result};
 use crate::figures::comparison::{Figure, svg};
 use crate::fleet::to_the_end;
 use crate::jobs::{Job, Jobs, Shown, Submission};
@@ -78,6 +78,18 @@ async fn rows(app: App, job: Arc<Job<Comparison>>, index: usize) -> io::Result<S
     let rows = rows.map_err(|failure| io::Error::other(failure.message().to_owned()))?;
     let gone = || io::Error::other(format!("{} was removed meanwhile", job.id()));
     rows.into_iter().next().ok_or_else(gone)
+}
+
+/// The report for people.
+pub(crate) async fn report(Named(job): Named<Comparison>) -> Result {
+    succeeded(&job)?;
+    let record = Arc::clone(&job.shown().record);
+    let Some(found) = &record.report else {
+        return Err(failure::internal(format!("{} has no report", job.id())));
+    };
+    let found = comparison::Report::from(found);
+    let text = report::markdown(&record.settings, record.own.as_str(), &found);
+    Ok(([(header::CONTENT_TYPE, comparison::REPORT_MEDIA_TYPE)], text).into_response())
 }
 
 /// Whether there is something to show: before its end, and after another one, nothing is.
