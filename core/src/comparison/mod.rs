@@ -53,8 +53,11 @@ pub const STATE_VERSION: u32 = 1;
 /// Episodes of each environment that say how it shows in the samples.
 pub const REFERENCE_TRIALS: usize = 20;
 
-/// Episodes of a batch, about: some seconds, which is what a restart costs.
+/// Episodes of a batch, at least, about: some seconds, which is what a restart costs.
 const BATCH: usize = 2000;
+
+/// Batches at most, about: after each the whole state is kept.
+const BATCHES: usize = 20;
 
 /// How far a comparison has got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -225,7 +228,8 @@ impl Comparison {
         let (purpose, subjects, trials) = match self.stage {
             Stage::Reference => (Purpose::Recognise, self.slots().len(), 0..REFERENCE_TRIALS),
             Stage::Trials { done } => {
-                let batch = (BATCH / (environments.len() * contenders.len())).max(1);
+                let batch = BATCH.max(self.settings.compared_episodes() as usize / BATCHES);
+                let batch = (batch / (environments.len() * contenders.len())).max(1);
                 (Purpose::Compare, contenders.len(), done..(done + batch).min(*trials))
             }
             Stage::Done => return Vec::new(),

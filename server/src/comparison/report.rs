@@ -156,8 +156,8 @@ fn honesty(text: &mut String) -> fmt::Result {
          of their own, to those believed). Counted are the samples after which it is the right one for good; never stands \
          for a trial in which it was not. Where floor or link change on the way there is no right one.\n\
          * *90 % intervals hold*: the share of samples within the interval that was predicted for each before it came, from \
-         the tenth on. An evolved prior is made for driving and not for honesty: far more than 90 % is caution. Samples \
-         that the camera's noise rules lie within wide intervals too. `cargo run --release -p umwelt-core --example \
+         the tenth on. An evolved prior is made for driving and not for honesty: far more than 90 % is caution. \
+         `{BASELINE}` takes the camera's noise for slip, and so counts it twice. `cargo run --release -p umwelt-core --example \
          belief_calibration` asks it of robots whose floor is drawn from their prior, where 90 % must come out.\n"
     )
 }

@@ -39,7 +39,7 @@ const CURVES: [Stroke; MOST_CURVES] = [
     line(LEADING.colour, 18, None),
     line(SECOND.colour, 13, Some("45 25")),
     line(GREEN, 13, Some("80 25 12 25")),
-    line(PURPLE, 13, Some("12 22")),
+    line(PURPLE, 18, Some("14 22")),
     line(INK, 7, None),
     line(ORANGE, 9, Some("90 40")),
 ];

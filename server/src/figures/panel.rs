@@ -163,12 +163,12 @@ pub(super) fn mark(
     let outline = stroke.colour.stroke_width(OUTLINE);
     let corners: &[(i32, i32)] = match stroke.marker {
         Marker::None => return Ok(()),
-        Marker::Disc if is_hollow => return Ok(root.draw(&Circle::new(at, 24, outline))?),
+        Marker::Disc if is_hollow => return Ok(root.draw(&Circle::new(at, 30, outline))?),
         Marker::Disc => return Ok(root.draw(&Circle::new(at, 24, stroke.colour.filled()))?),
         Marker::Cross | Marker::Plus => {
             let bars = match stroke.marker {
-                Marker::Cross => [[(-24, -24), (24, 24)], [(-24, 24), (24, -24)]],
-                _ => [[(-32, 0), (32, 0)], [(0, -32), (0, 32)]],
+                Marker::Cross => [[(-28, -28), (28, 28)], [(-28, 28), (28, -28)]],
+                _ => [[(-38, 0), (38, 0)], [(0, -38), (0, 38)]],
             };
             let width = if is_hollow { OUTLINE } else { 2 * OUTLINE };
             for bar in bars {
@@ -177,9 +177,9 @@ pub(super) fn mark(
             return Ok(());
         }
         Marker::Diamond => &[(0, -30), (30, 0), (0, 30), (-30, 0)],
-        Marker::Square => &[(-23, -23), (23, -23), (23, 23), (-23, 23)],
-        Marker::Triangle => &[(0, -30), (28, 20), (-28, 20)],
-        Marker::Inverted => &[(0, 30), (28, -20), (-28, -20)],
+        Marker::Square => &[(-27, -27), (27, -27), (27, 27), (-27, 27)],
+        Marker::Triangle => &[(0, -36), (33, 24), (-33, 24)],
+        Marker::Inverted => &[(0, 36), (33, -24), (-33, -24)],
     };
     if is_hollow {
         let mut way = moved(corners);

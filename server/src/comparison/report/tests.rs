@@ -52,6 +52,7 @@ fn report(deviation: f64, time: f64) -> Report {
         entry("statistic/1", 10.0, 0.02, None),
         entry("bayesian/1", 20.0, 0.01, Some((10.0, -0.01))),
         entry("statistic/20", 9.0, 0.002, None),
+        entry("gp-mpc/1", 12.0, 0.005, None),
         entry("oracle/1", 9.5, 0.018, None),
     ];
     let environments = vec![EnvironmentReport { environment: "bad-link".to_owned(), entries }];
@@ -87,7 +88,7 @@ fn everybody_has_a_row_and_those_who_are_better_are_named() {
     let text = text(&report(0.5, -1.0));
     assert!(text.contains("| `bayesian/1` | 99.5 % | 20.00 | 22.00 | 30.00 | 10.0 | 11.0 | 15.0 | +11.00 (+10.00 to +12.00) | \
                            -11.0 (-12.0 to -10.0) | 12, never (75 % at the end) | 99.1 % |"), "{text}");
-    assert!(text.contains("Both faster and nearer to the path by the medians: `statistic/20`."));
+    assert!(text.contains("both faster and nearer to the path, by the medians: `gp-mpc/1`."));
     assert!(text.contains(
         "with 20 slots instead of one command per reply `statistic` goes from 10.0 s and 20.0 mm"
     ));

@@ -137,9 +137,11 @@ fn of_claim(text: &mut String, environment: &EnvironmentReport, claim: &Claim) -
              identifying the floor cannot bring to this controller."
         )?;
     }
+    let slots = format!("/{}", claim.slots);
     let better: Vec<String> = environment
         .entries
         .iter()
+        .filter(|it| it.contender.ends_with(&slots))
         .filter(|it| {
             let (its_time, its_deviation) = medians(it);
             its_time < time && its_deviation < deviation
@@ -147,9 +149,16 @@ fn of_claim(text: &mut String, environment: &EnvironmentReport, claim: &Claim) -
         .map(|it| format!("`{}`", it.contender))
         .collect();
     if better.is_empty() {
-        writeln!(text, " Nobody is both faster and nearer to the path by the medians.")
+        writeln!(
+            text,
+            " Nobody with as many slots is both faster and nearer to the path by the medians."
+        )
     } else {
-        writeln!(text, " Both faster and nearer to the path by the medians: {}.", better.join(", "))
+        writeln!(
+            text,
+            " With as many slots both faster and nearer to the path, by the medians: {}.",
+            better.join(", ")
+        )
     }
 }
 
@@ -171,14 +180,19 @@ fn of_horizons(text: &mut String, environment: &EnvironmentReport) -> fmt::Resul
         }
         let ((time, deviation), (time_of_one, deviation_of_one)) = (medians(long), medians(one));
         let (p90, p90_of_one) = (1e3 * long.deviation_m.p90.mean, 1e3 * one.deviation_m.p90.mean);
-        writeln!(
+        write!(
             text,
             "* **{}**: with {} instead of one command per reply `{name}` goes from {time_of_one:.1} s and \
-             {deviation_of_one:.1} mm (90 %: {p90_of_one:.1}) to {time:.1} s and {deviation:.1} mm (90 %: {p90:.1}): what \
-             the link does is made up for by commands that are there already, not by identification.",
+             {deviation_of_one:.1} mm (90 %: {p90_of_one:.1}) to {time:.1} s and {deviation:.1} mm (90 %: {p90:.1})",
             environment.environment,
             of_slots(slots),
         )?;
+        if deviation < 0.5 * deviation_of_one && time < time_of_one {
+            text.push_str(
+                ": what the link does is made up for by commands that are there already, not by identification",
+            );
+        }
+        text.push_str(".\n");
     }
     Ok(())
 }
