@@ -29,7 +29,7 @@ pub(crate) struct Compare {
     /// Threads; all cores where none are said. The report does not depend on them.
     #[arg(long, value_name = "N", value_parser = super::threads)]
     threads: Option<usize>,
-    /// Write report.json, trials.csv and the figures into this folder.
+    /// Write report.json, trials.csv, compare.md and the figures into this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write one JSON object instead of text.

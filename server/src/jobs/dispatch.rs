@@ -290,7 +290,7 @@ fn waiting(failure: &Failure) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::toy::{Toy, Wishes};
-    use super::super::{Jobs, Limits, Pool, Priority, Submission};
+    use super::super::{Jobs, Limits, Pool, Priority, Submission, Work};
     use super::*;
     use crate::store::{Contents, Keeper, MemoryStore, Store};
 
@@ -335,5 +335,36 @@ mod tests {
             store.parts(job.id(), 0, 9).unwrap().iter().map(|part| part.index).collect();
         assert_eq!(indices, [0, 1, 2]);
         assert_eq!(store.checkpoint(job.id()).unwrap(), None);
+    }
+
+    /// The bug to fear: a job that begins anew after every restart, and never ends where those come often.
+    #[tokio::test]
+    async fn a_job_goes_on_from_its_checkpoint() {
+        let store = Arc::default();
+        let wishes = Wishes { batches: 3, ..Wishes::default() };
+        let before = open(&store).await;
+        let fresh = submit(&before, wishes).await;
+        ended(&fresh).await;
+        let shown = fresh.shown().record;
+        let mut work = Toy::new(wishes).unwrap();
+        // What no batch of its own would have come to.
+        work.tell(&[1_000_000]).unwrap();
+        let checkpoint = Checkpoint { work, latest: None, elapsed: 7.0 };
+        let record = Record { state: State::Running, report: None, ..(*shown).clone() };
+        let [id, next] = [fresh.id().number, 9].map(|number| JobId { kind: Toy::KIND, number });
+        let body = checkpoint.body().unwrap();
+        store
+            .commit(vec![
+                Change::DeleteJob(id),
+                Change::PutJob(record.stored(next).unwrap()),
+                Change::PutCheckpoint { job: next, body },
+            ])
+            .unwrap();
+        let after = open(&store).await;
+        let resumed = after.find("comparison-9").unwrap();
+        assert_eq!(ended(&resumed).await, (State::Succeeded, None));
+        let now = resumed.shown().record;
+        assert!(now.report > Some(1_000_000) && shown.report < Some(1_000_000), "{now:?}");
+        assert!(now.reached.elapsed >= 7.0 && now.interrupted == 1);
     }
 }

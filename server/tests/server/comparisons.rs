@@ -91,6 +91,11 @@ async fn a_comparison_lives_from_its_submission_to_its_trials() {
     }
     assert_eq!(api.get(&format!("{path}/figures/cost")).await.code, 404);
 
+    let report = api.get(&format!("{path}/report.md")).await;
+    assert_eq!(report.headers["content-type"], "text/markdown");
+    let report = String::from_utf8(report.bytes).unwrap();
+    assert!(report.starts_with("# ") && report.contains("bayesian/1"), "{report}");
+
     // Another server has it all from the store.
     let restarted = serve(store.clone()).await;
     assert_eq!(restarted.get(path).await.json(), shown);
@@ -162,7 +167,7 @@ async fn a_cancelled_comparison_stops_in_the_queue_and_while_it_runs() {
     for path in [&running, &waiting] {
         let refused = api.delete(path).await;
         assert_eq!(refused.problem(), pair("FAILED_PRECONDITION", "NOT_ENDED"));
-        for early in ["trials.csv", "figures/pareto"] {
+        for early in ["trials.csv", "report.md", "figures/pareto"] {
             let early = api.get(&format!("{path}/{early}")).await;
             assert_eq!(early.problem(), pair("FAILED_PRECONDITION", "NOTHING_YET"));
         }

@@ -109,6 +109,7 @@ fn methods_are_compared_into_a_folder_whatever_the_number_of_threads() {
     assert_eq!((&report["spec"]["seed"], &report["threads"]), (&5.into(), &1.into()));
     let rows: Vec<_> = read(&folder, "trials.csv").lines().map(str::to_owned).collect();
     assert_eq!(rows.len(), 1 + 2 * 2 * 3);
+    assert!(read(&folder, "compare.md").starts_with("# "));
     for figure in ["deviation.svg", "time.svg", "pareto.svg"] {
         assert!(read(&folder, figure).starts_with("<svg"));
     }
