@@ -277,6 +277,13 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         assert_eq!(wire.time_reduction.p90.unwrap().high, core.time.p90.high);
         assert_eq!((wire.promised_deviation, wire.promised_time), (0.75, 0.35));
         assert_eq!(wire.verdict, wire.in_words());
+        let here = report.environments.iter().find(|it| it.environment == core.environment);
+        let arrived = |label: &str| {
+            let mut entries = here.unwrap().entries.iter();
+            entries.find(|it| it.contender == label).unwrap().arrived.mean
+        };
+        let expected = (arrived("bayesian/20"), arrived("statistic/20"));
+        assert_eq!((wire.arrived, wire.against_arrived), expected);
     }
     let json = serde_json::to_string(&wire).unwrap();
     assert_eq!(serde_json::from_str::<comparison::Report>(&json).unwrap(), wire);
