@@ -77,7 +77,7 @@ enum Command {
     Prior(prior::Command),
     /// Search for a prior in simulated environments, in the background of the server
     Evolve(Box<evolve::Evolve>),
-    /// Watch, compare, draw, cancel and remove evolutions
+    /// List, show, watch, draw, cancel and remove evolutions
     #[command(subcommand)]
     Evolution(evolution::Command),
     /// Compare methods in simulated environments, in the background of the server

@@ -66,7 +66,7 @@ pub struct Comparison {
     pub created_unix_s: u64,
     /// Why it failed, or what keeps it from going on; null where nothing does.
     pub error: Option<String>,
-    /// What came of it; null until it has succeeded, and in lists: it may have some hundred kilobytes.
+    /// What came of it; null until it has succeeded, and in lists: it may have a hundred kilobytes.
     pub report: Option<Report>,
 }
 

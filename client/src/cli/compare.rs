@@ -44,8 +44,8 @@ pub(super) struct Compare {
 
 const ABOUT: &str = "\
 Every method drives the same trials: the same packets are late for each, the same places of the floor slip. What comes
-of it says how much less `bayesian` deviates than `statistic` and how much sooner it arrives, beside what the thesis
-claims; where an interval includes zero, no difference is shown.
+of it says how much less (or more) `bayesian` deviates than `statistic` and how much sooner (or later) it arrives,
+beside what the thesis claims; where an interval includes zero, no difference is shown.
 
 Scenarios:
   thesis        0.9 m there and back on a hard floor, over a normal and a bad link, a robot without lag

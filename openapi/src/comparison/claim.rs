@@ -28,8 +28,14 @@ pub struct Claim {
     /// How much shorter the thesis says that the time is, as a part.
     #[serde(serialize_with = "number::finite")]
     pub promised_time: f64,
+    /// Share of the trials in which `contender` arrived within the time limit, 0 to 1.
+    #[serde(serialize_with = "number::finite")]
+    pub arrived: f64,
+    /// Share of the trials in which `against` did.
+    #[serde(serialize_with = "number::finite")]
+    pub against_arrived: f64,
     /// What the means say, in plain words: how much less or more, with the interval, and which share of the thesis's
-    /// number is reached; says so where the interval includes zero.
+    /// number is reached; says so where the interval includes zero, and where robots did not arrive.
     pub verdict: String,
 }
 
@@ -39,9 +45,29 @@ impl Claim {
         let deviation = Promise { of: "deviation", less: "smaller", more: "larger" };
         let time = Promise { of: "time", less: "shorter", more: "longer" };
         format!(
-            "{}; {}",
+            "{}; {}{}",
             deviation.kept(self.deviation_reduction.mean, self.promised_deviation),
-            time.kept(self.time_reduction.mean, self.promised_time)
+            time.kept(self.time_reduction.mean, self.promised_time),
+            self.arrivals()
+        )
+    }
+
+    /// Who did not always arrive: such a trial takes the time limit, and who does not get far does not stray far.
+    fn arrivals(&self) -> String {
+        let Self { contender, against, arrived, against_arrived, .. } = self;
+        if *arrived >= 1.0 && *against_arrived >= 1.0 {
+            return String::new();
+        }
+        let share = |arrived: f64| match percent(arrived, 1) {
+            // One in ten thousand is not none.
+            all if all == "100.0" && arrived < 1.0 => "more than 99.9".to_owned(),
+            share => share,
+        };
+        format!(
+            "; not all arrived: {contender} in {} % of the trials, {against} in {} %, the others count with the time \
+             limit and as far as they got",
+            share(*arrived),
+            share(*against_arrived)
         )
     }
 }
@@ -109,13 +135,17 @@ mod tests {
     type Interval = (f64, f64, f64);
 
     fn words(deviation: Option<Interval>, time: Option<Interval>) -> String {
+        claim(deviation, time).in_words()
+    }
+
+    fn claim(deviation: Option<Interval>, time: Option<Interval>) -> Claim {
         let reductions = |mean: Option<Interval>| Reductions {
             mean: mean.map(|(mean, low, high)| Estimate { mean, low, high }),
             // Neither says anything in the verdict.
             median: Some(Estimate { mean: 0.9, low: 0.8, high: 1.0 }),
             p90: None,
         };
-        let claim = Claim {
+        Claim {
             environment: "bad-link".to_owned(),
             slots: 20,
             contender: "bayesian/20".to_owned(),
@@ -124,9 +154,10 @@ mod tests {
             time_reduction: reductions(time),
             promised_deviation: 0.75,
             promised_time: 0.35,
+            arrived: 1.0,
+            against_arrived: 1.0,
             verdict: String::new(),
-        };
-        claim.in_words()
+        }
     }
 
     #[test]
@@ -173,5 +204,20 @@ mod tests {
         assert!(at(-0.999_4).starts_with("deviation 99.9 % larger (95 %: 99.8 to 100)"));
         assert!(at(-0.999_6).starts_with("deviation 100 % larger"));
         assert!(at(-12.5).starts_with("deviation 1250 % larger"));
+    }
+
+    /// The bug to fear: a robot that stands still is praised for how little it deviates.
+    #[test]
+    fn who_did_not_arrive_is_told() {
+        let less = Some((0.75, 0.7, 0.8));
+        let of = |arrived, against_arrived| {
+            let claim = Claim { arrived, against_arrived, ..claim(less, less) };
+            claim.in_words()
+        };
+        assert!(!of(1.0, 1.0).contains("arrived"));
+        let told = "; not all arrived: bayesian/20 in 12.5 % of the trials, statistic/20 in 100.0 %, the others count \
+                    with the time limit and as far as they got";
+        assert!(of(0.125, 1.0).ends_with(told), "{}", of(0.125, 1.0));
+        assert!(of(1.0, 0.9999).contains("statistic/20 in more than 99.9 %"));
     }
 }

@@ -234,22 +234,30 @@ impl From<&comparison::Entry> for Entry {
     }
 }
 
-impl From<&comparison::Claim> for Claim {
-    fn from(core: &comparison::Claim) -> Self {
-        let label = |name: &str| format!("{name}/{}", core.slots);
-        let claim = Self {
-            environment: core.environment.clone(),
-            slots: core.slots as u64,
-            contender: label(CHAMPION),
-            against: label(BASELINE),
-            deviation_reduction: core.deviation.into(),
-            time_reduction: core.time.into(),
-            promised_deviation: PROMISED_DEVIATION,
-            promised_time: PROMISED_TIME,
-            verdict: String::new(),
-        };
-        Self { verdict: claim.in_words(), ..claim }
-    }
+/// A claim, with who arrived in its environment as `report` has it.
+fn claim(core: &comparison::Claim, report: &comparison::Report) -> Claim {
+    let label = |name: &str| format!("{name}/{}", core.slots);
+    let (contender, against) = (label(CHAMPION), label(BASELINE));
+    let here = report.environments.iter().find(|it| it.environment == core.environment);
+    let arrived = |label: &str| {
+        let mut entries = here.iter().flat_map(|here| &here.entries);
+        // Whoever is claimed for has driven there.
+        entries.find(|it| it.contender == label).map_or(0.0, |it| it.arrived.mean)
+    };
+    let claim = Claim {
+        environment: core.environment.clone(),
+        slots: core.slots as u64,
+        arrived: arrived(&contender),
+        against_arrived: arrived(&against),
+        contender,
+        against,
+        deviation_reduction: core.deviation.into(),
+        time_reduction: core.time.into(),
+        promised_deviation: PROMISED_DEVIATION,
+        promised_time: PROMISED_TIME,
+        verdict: String::new(),
+    };
+    Claim { verdict: claim.in_words(), ..claim }
 }
 
 impl From<&comparison::Report> for Report {
@@ -261,7 +269,7 @@ impl From<&comparison::Report> for Report {
         Self {
             trials: core.trials as u64,
             environments: environments.collect(),
-            claims: core.claims.iter().map(Claim::from).collect(),
+            claims: core.claims.iter().map(|it| claim(it, core)).collect(),
         }
     }
 }

@@ -247,8 +247,11 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
     assert_eq!((done.stage, done.trials_done), (comparison::Stage::Done, 3));
     assert_eq!((done.episodes, done.remaining_s), (total, Some(0.0)));
 
-    let report = core.report().unwrap();
-    let wire = comparison::Report::from(report);
+    let mut report = core.report().unwrap().clone();
+    // All may have arrived: make them tell who is who.
+    let entries = report.environments.iter_mut().flat_map(|it| &mut it.entries);
+    entries.enumerate().for_each(|(place, entry)| entry.arrived.mean = 0.1 * place as f64);
+    let wire = comparison::Report::from(&report);
     assert_eq!(wire.trials, 3);
     for (wire, core) in wire.environments.iter().zip(&report.environments) {
         assert_eq!((&wire.environment, wire.entries.len()), (&core.environment, 4));
@@ -277,6 +280,13 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         assert_eq!(wire.time_reduction.p90.unwrap().high, core.time.p90.high);
         assert_eq!((wire.promised_deviation, wire.promised_time), (0.75, 0.35));
         assert_eq!(wire.verdict, wire.in_words());
+        let here = report.environments.iter().find(|it| it.environment == core.environment);
+        let arrived = |label: &str| {
+            let mut entries = here.unwrap().entries.iter();
+            entries.find(|it| it.contender == label).unwrap().arrived.mean
+        };
+        let expected = (arrived("bayesian/20"), arrived("statistic/20"));
+        assert_eq!((wire.arrived, wire.against_arrived), expected);
     }
     let json = serde_json::to_string(&wire).unwrap();
     assert_eq!(serde_json::from_str::<comparison::Report>(&json).unwrap(), wire);

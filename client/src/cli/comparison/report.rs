@@ -13,8 +13,8 @@ Every method drove the same trials; a table for each environment.
   DEVIATION   the largest of the true position, in half and in 90 % of the trials
   COVERED     share of the samples within the 90 % interval that was predicted for each: 90 % is right
   RECOGNISED  samples after which it believed for good to be where it was, in half of the trials; never: in fewer
-The last lines say how much less `bayesian` deviates than `statistic` and how much sooner it arrives, on the mean and
-with 95 % intervals, beside what the thesis claims. --json has every interval.
+The last lines say how much less (or more) `bayesian` deviates than `statistic` and how much sooner (or later) it
+arrives, on the mean and with 95 % intervals, beside what the thesis claims. --json has every interval.
 
 Example:
   umwelt comparison show comparison-12";

@@ -244,7 +244,9 @@ mod tests {
         let client = Client::new(&server.url).unwrap();
         let job: J = serde_json::from_str(job).unwrap();
         let (mut output, written) = Output::kept(true);
-        let ended = watch(&client, &mut output, &job, told).await;
+        let watched = watch(&client, &mut output, &job, told);
+        // Who watches for ever fails here rather than hangs.
+        let ended = tokio::time::timeout(Duration::from_secs(10), watched).await.unwrap();
         let written = written.lock().unwrap();
         (String::from_utf8_lossy(&written).into_owned(), ended)
     }
