@@ -50,8 +50,20 @@ pub async fn umwelt(server: &Server, arguments: &str) -> Value {
 /// # Panics
 /// Where it does not.
 pub async fn evolve(arguments: &str, within: Duration) -> Value {
+    offline("evolve", arguments, within).await
+}
+
+/// What `umwelt-server compare --json` finds, which must succeed `within` the time.
+///
+/// # Panics
+/// Where it does not.
+pub async fn compare(arguments: &str, within: Duration) -> Value {
+    offline("compare", arguments, within).await
+}
+
+async fn offline(command: &str, arguments: &str, within: Duration) -> Value {
     let all: Vec<&str> =
-        ["evolve", "--json"].into_iter().chain(arguments.split_whitespace()).collect();
+        [command, "--json"].into_iter().chain(arguments.split_whitespace()).collect();
     json(&call_within("umwelt-server", &all, within).await, arguments)
 }
 

@@ -7,6 +7,7 @@
 mod agents;
 mod bad_input;
 mod command_line;
+mod comparisons;
 mod connections;
 mod data;
 mod events;

@@ -43,6 +43,8 @@ fn report(deviation: f64, time: f64) -> Report {
         against: "statistic/1".to_owned(),
         deviation_reduction: reductions(deviation),
         time_reduction: reductions(time),
+        arrived: 1.0,
+        against_arrived: 1.0,
         promised_deviation: 0.75,
         promised_time: 0.35,
         verdict: String::new(),
