@@ -151,6 +151,8 @@ impl Compensation for EkfPacket {
 mod tests {
     use super::*;
     use crate::controller::settings::PoseNoise;
+    use crate::controller::{BELIEVED_AGAIN, Controller};
+    use crate::exchange::Request;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;
@@ -212,5 +214,23 @@ mod tests {
         filter.believe(1.0, one, one, moved);
         let covariance = filter.covariance();
         assert!((covariance[(0, 1)] / covariance[(1, 1)] + dy / dx).abs() < 1e-6, "{covariance}");
+    }
+
+    /// The bug to fear: a robot that was carried away, and a filter that takes it for one that drove there.
+    #[test]
+    fn a_robot_that_was_carried_away_is_filtered_anew() {
+        let told = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
+        let mut controller = Controller::with(told, EkfPacket::tuned(&told));
+        let camera = controller.compensation().camera;
+        for sequence in 1..=10 + u64::from(BELIEVED_AGAIN) {
+            let taken = sequence as f64 * 0.03;
+            let x = if sequence <= 10 { 0.0 } else { 1.0 };
+            let mut request = Request { sequence, sent: taken + 0.13, ..Request::EMPTY };
+            request.observations.push(Observation { pose: Pose::new(x, 0.0, 0.0), taken });
+            controller.step(&request);
+            let is_first = sequence == 1 || x == 1.0 && controller.pose().unwrap().pose.x == 1.0;
+            assert_eq!(controller.compensation().covariance() == camera, is_first);
+        }
+        assert_eq!(controller.compensation().covariance(), camera);
     }
 }

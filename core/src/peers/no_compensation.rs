@@ -8,7 +8,9 @@ use crate::prediction::Prediction;
 /// Steers by the last pose as if the robot stood there now: no delay is made up for.
 ///
 /// It knows when its own commands changed, and so does not mistake a robot that it stopped for one that drives; it does
-/// not know that what it sees is old.
+/// not know that what it sees is old. Over a loop of 0.3 s the slowest speed carries a robot on by 7 mm, so that it drives
+/// past its waypoint and has to come back; where it lags besides and its controller does not know (`systematic`), it passes
+/// the tolerance of 10 mm each time and does not arrive at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoCompensation;
 

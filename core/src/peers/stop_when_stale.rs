@@ -22,8 +22,9 @@ impl Default for StaleTuning {
 /// Predicts as the thesis does but stops for everything late: the server where the newest pose is old, the robot where no
 /// command comes.
 ///
-/// What operators ask of a robot that has no other remedy: a timeout of a quarter of a second (ROS 2 controllers, see the
-/// field facts).
+/// The controllers of ROS 2 stop after a quarter of a second (see the field facts). Tuned like the others the robot's
+/// timeout is shorter: over the thesis's bad link 0.10 s leads 7 mm astray in the median, 0.22 s leads 18 mm, and takes
+/// longer too. The server's time makes no difference there: poses are never late by as much.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StopWhenStale {
     tuning: StaleTuning,

@@ -140,4 +140,18 @@ mod tests {
         let expected = 0.8 / (1.0 + 0.25) * (-0.5_f64 * (0.1_f64 / 0.3).powi(2)).exp();
         assert!((process.mean(1.1) - expected).abs() < 1e-12);
     }
+
+    /// Two windows in a row, solved by hand: the pose between them is too high by as much as the first window gains and the
+    /// second loses, so that only their sum is sure.
+    #[test]
+    fn what_one_window_gains_by_noise_the_next_one_loses() {
+        let mut process = GaussianProcess::new(TUNING);
+        process.learn(0.0, 0.5, 0.4);
+        process.learn(0.12, -0.5, 0.4);
+        let near = (-0.5_f64 * (0.12_f64 / 0.3).powi(2)).exp();
+        let (own, shared) = (1.0 + 0.16, near - 0.08);
+        // Opposite values: (K + N) alpha = y has alpha = y/(own - shared) (1, -1).
+        let alpha = 0.5 / (own - shared);
+        assert!((process.mean(0.0) - alpha * (1.0 - near)).abs() < 1e-12);
+    }
 }

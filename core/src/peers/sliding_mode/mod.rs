@@ -57,7 +57,7 @@ impl Default for SlidingTuning {
     fn default() -> Self {
         Self {
             ahead: 4,
-            margin: 3.0,
+            margin: 4.0,
             slope: 8.0,
             reaching: 0.2,
             proportional: 0.5,
