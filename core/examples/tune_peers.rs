@@ -198,7 +198,7 @@ fn sliding_mode(trials: &mut Trials) -> Result<(), EpisodeError> {
     let base = SlidingTuning::default();
     for (_, attribution) in ATTRIBUTIONS {
         for ahead in [1, 4, 8] {
-            for margin in [0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0] {
+            for margin in [0.0, 2.0, 4.0, 8.0, 12.0, 16.0] {
                 one(trials, SlidingTuning { attribution, ahead, margin, ..base })?;
             }
         }

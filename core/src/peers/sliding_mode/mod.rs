@@ -16,6 +16,10 @@
 //!   surface is s = theta + sat(lambda e), and the reaching law s' = -eta sat(s/phi) - kappa s. Within the boundary layer
 //!   phi it is linear: that is how it does not chatter. The approach angle is limited, or the controller that all share
 //!   would stop and turn in place.
+//! - A command begins some slots later than it is expected to arrive ([`SlidingTuning::margin`]): one that begins when it
+//!   arrives in the mean comes late half of the time. Tuning asks for 12 slots: the robot then holds commands back for
+//!   0.36 s, and a packet late by 0.4 s is hardly late any more. Its price is a longer prediction. With 4 slots, the spread
+//!   of the ordinary delay, the median deviation over the bad link is 18 mm instead of 9 mm.
 //! - Zero-order hold is one slot per packet with the watchdog that all have: their hold has no end, but a robot that drives
 //!   on for 12 s of silence is no method that anybody would use.
 
@@ -56,8 +60,8 @@ pub struct SlidingTuning {
 impl Default for SlidingTuning {
     fn default() -> Self {
         Self {
-            ahead: 4,
-            margin: 4.0,
+            ahead: 8,
+            margin: 12.0,
             slope: 8.0,
             reaching: 0.2,
             proportional: 0.5,
