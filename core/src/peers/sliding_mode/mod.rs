@@ -64,7 +64,7 @@ impl Default for SlidingTuning {
             margin: 12.0,
             slope: 8.0,
             reaching: 0.2,
-            proportional: 0.5,
+            proportional: 1.0,
             layer: 0.05,
             attribution: Attribution::Sent,
         }
