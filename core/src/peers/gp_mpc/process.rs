@@ -15,7 +15,7 @@ pub struct GpTuning {
     pub length: f64,
 }
 
-/// A rate over time, zero until something else was seen: the last [`SAMPLES`] of it, and how much each counts.
+/// A rate over time, zero until something else was seen: the last twelve samples of it, and how much each counts.
 ///
 /// Kernel k(t, t') = signal^2 exp(-(t - t')^2/(2 length^2)); mean at t: sum of alpha_i k(t, t_i), alpha = (K + N)^-1 y,
 /// N the covariance of the noise.
