@@ -7,10 +7,10 @@ use super::witness::{Errors, Oracle, Witness};
 use crate::conjugate::SampleStatistics;
 use crate::controller::Controller;
 use crate::controller::compensation::Compensation;
-use crate::controller::settings::{Attribution, Method, Prior, Settings, VarianceLimits};
+use crate::controller::settings::{Attribution, Method, Prior, Settings};
 use crate::episode::{Outcome, Scenario};
 use crate::identification::estimate::Channel;
-use crate::peers::{NoCompensation, StopWhenStale};
+use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
 use serde::{Deserialize, Serialize};
 
 /// Time in s that an episode may take beyond the limit: the calibration takes about 20 s at full speed.
@@ -34,6 +34,12 @@ pub enum Approach {
     StopWhenStale,
     /// [`NoCompensation`].
     NoCompensation,
+    /// [`EkfPacket`].
+    EkfPacket,
+    /// [`SlidingMode`].
+    SlidingMode,
+    /// [`GpMpc`].
+    GpMpc,
 }
 
 impl Approach {
@@ -57,7 +63,7 @@ pub struct Contender {
 }
 
 /// Every contender's name, with its method; those of several horizons come with each.
-const ALL: [(&str, Approach, &[usize]); 10] = [
+const ALL: [(&str, Approach, &[usize]); 13] = [
     ("fixed-normal", Approach::FixedNormal, &[1, 20]),
     ("fixed-bad", Approach::FixedBad, &[1, 20]),
     ("statistic", Approach::Statistic, &[1, 20]),
@@ -68,6 +74,9 @@ const ALL: [(&str, Approach, &[usize]); 10] = [
     ("oracle", Approach::Oracle, &[1, 20]),
     ("stop-when-stale", Approach::StopWhenStale, &[1]),
     ("no-compensation", Approach::NoCompensation, &[1]),
+    ("ekf-packet", Approach::EkfPacket, &[EkfPacket::SLOTS]),
+    ("sliding-mode", Approach::SlidingMode, &[1]),
+    ("gp-mpc", Approach::GpMpc, &[1]),
 ];
 
 /// The method whose differences to the others are reported: the thesis's claims are against it.
@@ -121,9 +130,6 @@ impl Contender {
     /// What its controller is told, where all are told `told`.
     pub fn settings(&self, told: &Settings) -> Settings {
         let settings = Settings { slots: self.slots, prior: self.prior, ..*told };
-        // Peers neither identify nor slow down for what they do not know.
-        let heedless = VarianceLimits { position: f64::INFINITY, heading: f64::INFINITY };
-        let peer = Settings { method: Method::FixedNormal, variance: heedless, ..settings };
         match self.approach {
             Approach::FixedNormal => Settings { method: Method::FixedNormal, ..settings },
             Approach::FixedBad => Settings { method: Method::FixedBad, ..settings },
@@ -134,8 +140,11 @@ impl Contender {
                 attribution: Attribution::Played,
                 ..settings
             },
-            Approach::StopWhenStale => Settings { watchdog: StopWhenStale::WATCHDOG, ..peer },
-            Approach::NoCompensation => peer,
+            Approach::StopWhenStale => StopWhenStale::default().settings(&settings),
+            Approach::NoCompensation => peers::heedless(&settings),
+            Approach::EkfPacket => EkfPacket::tuned(&settings).settings(&settings),
+            Approach::SlidingMode => SlidingMode::tuned(&settings).settings(&settings),
+            Approach::GpMpc => GpMpc::tuned(&settings).settings(&settings),
         }
     }
 
@@ -189,8 +198,17 @@ impl Contender {
                 (trial, Channel::ALL.map(statistics))
             }
             Approach::Oracle => self.outcome(&scenario, Oracle::new(&scenario), seed, *time_limit),
-            Approach::StopWhenStale => self.outcome(&scenario, StopWhenStale, seed, *time_limit),
+            Approach::StopWhenStale => {
+                self.outcome(&scenario, StopWhenStale::default(), seed, *time_limit)
+            }
             Approach::NoCompensation => self.outcome(&scenario, NoCompensation, seed, *time_limit),
+            Approach::EkfPacket => {
+                self.outcome(&scenario, EkfPacket::tuned(&told), seed, *time_limit)
+            }
+            Approach::SlidingMode => {
+                self.outcome(&scenario, SlidingMode::tuned(&told), seed, *time_limit)
+            }
+            Approach::GpMpc => self.outcome(&scenario, GpMpc::tuned(&told), seed, *time_limit),
         }
     }
 

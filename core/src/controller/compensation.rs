@@ -6,7 +6,7 @@
 //! takes every default; the peers of [`crate::peers`] take their own.
 
 use super::settings::Settings;
-use crate::exchange::Delivery;
+use crate::exchange::{Delivery, Observation};
 use crate::geometry::{Displacement, Point, Pose, Twist};
 use crate::identification::{Belief, Samples};
 use crate::prediction::{ErrorModel, Prediction};
@@ -24,6 +24,11 @@ pub trait Compensation {
     /// Samples came of a window of motion from `start` s on, before `belief` takes them in.
     fn witness(&mut self, belief: &Belief, samples: &Samples, start: f64) {
         let _ = (belief, samples, start);
+    }
+
+    /// Poses begin anew with `observation`: nothing is known of the motion before it.
+    fn begin(&mut self, observation: Observation) {
+        let _ = observation;
     }
 
     /// The pose to go on from, where one was observed at `taken` s. By the commands alone the robot has moved by `moved`

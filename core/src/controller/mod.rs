@@ -198,6 +198,7 @@ impl<C: Compensation> Controller<C> {
     /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
     fn observe(&mut self, observation: Observation, events: &mut Events) {
         let Some(track) = self.track else {
+            self.compensation.begin(observation);
             self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
             return;
         };
@@ -221,6 +222,7 @@ impl<C: Compensation> Controller<C> {
                 return;
             }
             let _ = events.try_push(Event::PosesBelievedAgain);
+            self.compensation.begin(observation);
             self.track =
                 Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
         } else {
