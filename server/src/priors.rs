@@ -190,7 +190,10 @@ mod tests {
             let after = after.map(|after| after.parse().unwrap());
             priors.all().above(after.as_ref(), limit).iter().map(|it| it.id.to_string()).collect()
         };
-        assert_eq!(ids(None, 9), ["a", "default", "dune", "empirical", "flat", "thesis", "zoo"]);
+        assert_eq!(
+            ids(None, 9),
+            ["a", "default", "dune", "empirical", "flat", "thesis", "thesis-20", "zoo"]
+        );
         assert_eq!(ids(None, 2), ["a", "default"]);
         assert_eq!(ids(Some("default"), 2), ["dune", "empirical"]);
         assert_eq!(ids(Some("zoo"), 2), [""; 0]);
@@ -203,7 +206,7 @@ mod tests {
         assert_eq!(priors.known("dune"), Ok(Prior::flat()));
         assert_eq!(
             priors.known("oasis").unwrap_err(),
-            ["default", "flat", "thesis", "empirical", "dune"]
+            ["default", "flat", "thesis", "thesis-20", "empirical", "dune"]
         );
     }
 

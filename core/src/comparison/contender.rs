@@ -92,7 +92,7 @@ pub(super) fn all() -> Vec<Contender> {
             name: (*name).to_owned(),
             approach: *approach,
             slots: *slots,
-            prior: prior(name),
+            prior: prior(name, *slots),
         })
     });
     all.collect()
@@ -103,9 +103,10 @@ pub fn method_names() -> impl Iterator<Item = &'static str> {
     ALL.iter().map(|(name, ..)| *name)
 }
 
-/// The prior that a contender has by default: `bayesian` is the evolved one.
-fn prior(name: &str) -> Prior {
+/// The prior that a contender has by default: that of `bayesian` was evolved, with as many slots.
+fn prior(name: &str, slots: usize) -> Prior {
     let built_in = match name {
+        "bayesian" if slots > 1 => "thesis-20",
         "bayesian" => "thesis",
         "bayesian-flat" => "flat",
         "bayesian-empirical" => "empirical",

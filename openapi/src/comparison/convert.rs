@@ -71,7 +71,10 @@ impl Request {
         if let Some((name, prior)) = prior {
             let mut bayesian: Vec<_> =
                 settings.contenders.iter_mut().filter(|it| it.name == CHAMPION).collect();
-            bayesian.iter_mut().for_each(|it| it.prior = prior);
+            // By itself it comes in two, by slots.
+            if name != spec::DEFAULT_PRIOR {
+                bayesian.iter_mut().for_each(|it| it.prior = prior);
+            }
             let remedy = format!("it is that of {CHAMPION}: compare that too, or leave it out");
             check.agrees("prior", !bayesian.is_empty(), name.as_str(), &remedy);
         }

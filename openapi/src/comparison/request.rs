@@ -34,7 +34,8 @@ pub struct Request {
     pub trials: Option<u64>,
     /// Of everything random: the same seed gives the same report; null for 1.
     pub seed: Option<u64>,
-    /// The name of the prior of the contender `bayesian`, one of `GET /v1/priors`; null for `thesis`.
+    /// The name of the prior of the contender `bayesian`, one of `GET /v1/priors`; null or `thesis` for the thesis's,
+    /// evolved with as many slots (`thesis`, `thesis-20`).
     pub prior: Option<String>,
 }
 

@@ -12,7 +12,8 @@ pub const TRIALS: RangeInclusive<u64> = 2..=10_000;
 /// Most episodes of one comparison (contenders x environments x trials): what comes of each is held in memory.
 pub const MAX_EPISODES: u64 = 200_000;
 
-/// The name of the prior that the contender `bayesian` has where nothing is said: the evolved one of the thesis.
+/// The name of the prior that the contender `bayesian` has where nothing is said: the thesis's, evolved with as many
+/// slots. With more than one it is the built-in prior `thesis-20`.
 pub const DEFAULT_PRIOR: &str = "thesis";
 
 /// What is driven, and in which environments.
@@ -85,6 +86,7 @@ pub struct Spec {
     /// Time after the calibration beyond which a robot counts as not arrived, and which its trial then took.
     #[serde(serialize_with = "number::finite")]
     pub time_limit_s: f64,
-    /// The name of the prior of the contender `bayesian`; null where it is not compared.
+    /// The name of the prior of the contender `bayesian`, `thesis` standing for `thesis-20` with more than one slot; null
+    /// where it is not compared.
     pub prior: Option<String>,
 }

@@ -139,7 +139,7 @@ fn a_bad_prior_of_a_robot_is_told_with_everything_else() {
     let unknown = problems.details().iter().find(|it| it.field == "prior").unwrap();
     assert_eq!(
         (&unknown.value, unknown.remedy.as_str()),
-        (&json!("best"), "known: default, flat, thesis")
+        (&json!("best"), "known: default, flat, thesis, thesis-20, empirical")
     );
     assert_eq!(told(json!("The best")), pairs(&[(reason::INVALID_ID, "prior")]));
     let numbers = json!({"turn": {"mu": 99, "k": 0, "r": 4, "s": 0.1, "t": 5}, "yaw": {}});

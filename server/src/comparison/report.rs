@@ -9,7 +9,8 @@ mod why;
 
 use std::fmt::{self, Write};
 use umwelt_api::comparison::{
-    Claim, Entry, EnvironmentReport, Estimate, Figure, Quantities, Reductions, Report,
+    Claim, DEFAULT_PRIOR, Entry, EnvironmentReport, Estimate, Figure, Quantities, Reductions,
+    Report,
 };
 use umwelt_core::comparison::{BASELINE, CHAMPION, ComparisonSettings};
 
@@ -28,13 +29,18 @@ fn write(
     report: &Report,
 ) -> fmt::Result {
     let ComparisonSettings { scenario, trials, seed, .. } = settings;
+    let evolved = if prior == DEFAULT_PRIOR {
+        ", with more than one slot `thesis-20`, each evolved with as many"
+    } else {
+        ""
+    };
     writeln!(text, "# Methods compared: scenario {scenario}\n")?;
     writeln!(
         text,
         "{trials} trials of each method in each environment, seed {seed}. All meet the same late packets and the same slip \
          (common random numbers). The number behind a method is its slots per horizon: 1 sends one command per reply, as \
          the thesis does. Intervals hold with 95 %: bootstrap over whole trials, differences paired by seed. `{CHAMPION}` \
-         has the prior `{prior}`. The same again: `umwelt-server compare --scenario {scenario} --trials {trials} --seed \
+         has the prior `{prior}`{evolved}. The same again: `umwelt-server compare --scenario {scenario} --trials {trials} --seed \
          {seed}`.\n"
     )?;
     claims(text, &report.claims)?;

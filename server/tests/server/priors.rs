@@ -34,14 +34,14 @@ async fn a_prior_is_put_shown_listed_and_removed() {
     let all = api.get("/v1/priors").await.json();
     assert_eq!(
         (names(&all), &all["next_page_token"]),
-        (vec!["default", "dune", "empirical", "flat", "thesis"], &Value::Null)
+        (vec!["default", "dune", "empirical", "flat", "thesis", "thesis-20"], &Value::Null)
     );
     let page = api.get("/v1/priors?page_size=3").await.json();
     let token = page["next_page_token"].as_str().unwrap();
     let rest = api.get(&format!("/v1/priors?page_size=3&page_token={token}")).await.json();
     assert_eq!(
         (names(&page), names(&rest)),
-        (vec!["default", "dune", "empirical"], vec!["flat", "thesis"])
+        (vec!["default", "dune", "empirical"], vec!["flat", "thesis", "thesis-20"])
     );
 
     let stale = [JSON, ("if-match", "\"0000000000000000\"")];
@@ -76,7 +76,7 @@ async fn what_is_wrong_with_a_prior_is_said_at_once() {
         api.put("/v1/priors/Dune", dune()).await.problem(),
         pair("INVALID_ARGUMENT", "INVALID_ID")
     );
-    for built_in in ["default", "empirical", "flat", "thesis"] {
+    for built_in in ["default", "empirical", "flat", "thesis", "thesis-20"] {
         let path = format!("/v1/priors/{built_in}");
         assert_eq!(api.put(&path, dune()).await.problem(), pair("FAILED_PRECONDITION", "BUILT_IN"));
         assert_eq!(api.delete(&path).await.problem(), pair("FAILED_PRECONDITION", "BUILT_IN"));
