@@ -2,7 +2,7 @@
 //!
 //! Source: Cuenca et al., "A Remote Control Strategy for an Autonomous Vehicle with Slow Sensor Using Kalman Filtering and
 //! Dual-Rate Control", Sensors 19(13) 2983, 2019 (doi 10.3390/s19132983); its sibling with Zheng and Tomizuka is Alcaina et
-//! al., Journal of Sensors 7085915, 2019.
+//! al., Journal of Sensors 7085915, 2019. We had their abstracts and introductions.
 //!
 //! Taken from there: the filter fuses what is sensed at a fast rate on the vehicle with the slow camera; its estimate is
 //! predicted ahead to the moment the command acts; a packet carries the commands of many periods, and the vehicle plays
