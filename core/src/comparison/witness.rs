@@ -144,3 +144,33 @@ impl Compensation for Oracle {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::comparison::ComparisonSettings;
+    use crate::controller::settings::{Method, Prior};
+
+    /// The bug to fear: an oracle that knows the wrong floor, and so a bound that is none.
+    #[test]
+    fn the_oracle_knows_the_floor_that_it_stands_on() {
+        let settings = ComparisonSettings::scenario("floor-change").unwrap();
+        let it = &settings.environments[0];
+        let scenario = Scenario {
+            settings: settings.controller,
+            plant: it.plant,
+            link: it.link.clone(),
+            task: settings.task.clone(),
+            start: settings.start,
+            region: it.region.clone(),
+            time_limit: settings.time_limit,
+        };
+        let oracle = Oracle::new(&scenario);
+        let belief = Belief::new(Method::Statistic, &Prior::default(), false);
+        let forward = |x: f64| oracle.model(&belief, Pose::new(x, 0.0, 0.0)).forward;
+        for (x, slip) in [(0.0, Slip::HARD), (1.2, Slip::SLIPPERY), (2.0, Slip::HARD)] {
+            let known = (slip.forward.mean(), slip.forward.sd().powi(2));
+            assert_eq!((forward(x).mean, forward(x).variance), known, "at {x}");
+        }
+    }
+}

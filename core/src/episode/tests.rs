@@ -209,4 +209,5 @@ fn floor_and_link_change_where_the_region_is() {
     assert_eq!(with(5.0, 9.0), plain_run);
     let between = with(-0.3, -0.1);
     assert!(between != plain_run && between != changed_run);
+    assert_ne!(with(-0.9, -0.1), between, "it is left again");
 }

@@ -5,18 +5,8 @@ use super::{
     Curve, FigureError, Heading, INK, LEADING, Marker, Panel, Point, SECOND, Stroke, page,
 };
 use plotters::prelude::RGBColor;
+use umwelt_api::comparison::Figure;
 use umwelt_core::comparison::{ComparisonSettings, Contender, Distribution, Trial};
-
-/// What a figure shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Figure {
-    /// How often the largest deviation is larger (thesis figures 8 and 9).
-    Deviation,
-    /// How often the completion time is longer (thesis figures 10 and 11).
-    Time,
-    /// Time against deviation, a point for each contender.
-    Pareto,
-}
 
 /// Curves of one panel at most: more can no longer be told apart.
 const MOST_CURVES: usize = 6;
@@ -66,25 +56,6 @@ const MARKERS: [(&str, Stroke); 14] = [
     ("no-compensation", marker(ORANGE, Marker::Cross)),
     ("", marker(SKY, Marker::Disc)),
 ];
-
-impl Figure {
-    /// Each of them.
-    pub const ALL: [Self; 3] = [Self::Deviation, Self::Time, Self::Pareto];
-
-    /// Its name on the wire.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Deviation => "deviation",
-            Self::Time => "time",
-            Self::Pareto => "pareto",
-        }
-    }
-
-    /// The figure of that name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|figure| figure.name() == name)
-    }
-}
 
 /// The figure as an SVG document. `comparison` is its name; the distributions are those of its end.
 ///

@@ -5,11 +5,11 @@ mod text;
 
 use super::{Error, Order, folder, say};
 use crate::comparison::{csv, report};
-use crate::figures::comparison::{Figure, svg};
+use crate::figures::comparison::svg;
 use outcome::Outcome;
 use std::io::Write;
 use std::path::Path;
-use umwelt_api::comparison::Request;
+use umwelt_api::comparison::{Figure, Request};
 use umwelt_api::prior;
 use umwelt_core::comparison::{Comparison, ComparisonSettings, Distribution, Stage};
 

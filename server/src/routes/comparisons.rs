@@ -8,7 +8,7 @@ use crate::comparison::{csv, report};
 use crate::etag;
 use crate::extract::{Body, Named};
 use crate::failure::{self, Failure, Result};
-use crate::figures::comparison::{Figure, svg};
+use crate::figures::comparison::svg;
 use crate::fleet::to_the_end;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use axum::body;
@@ -21,7 +21,7 @@ use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
 use umwelt_api::ComparisonId;
-use umwelt_api::comparison::{self, Page, Request};
+use umwelt_api::comparison::{self, Figure, Page, Request};
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_core::comparison::Comparison;
 
@@ -55,7 +55,7 @@ pub(crate) async fn figure(
     succeeded(&job)?;
     let distributions = parts(&app, &job, 0, usize::MAX, Clone::clone).await?;
     let name = job.id().to_string();
-    drawn(comparison::Figure::MEDIA_TYPE, move || {
+    drawn(Figure::MEDIA_TYPE, move || {
         svg(figure, &name, &job.shown().record.settings, &distributions)
     })
     .await

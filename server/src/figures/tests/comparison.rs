@@ -1,9 +1,10 @@
 //! Figures of a comparison, read back.
 
-use super::super::comparison::{Figure, svg};
+use super::super::comparison::svg;
 use super::super::{FigureError, UNIT};
 use super::reading::{nothing_overlaps_within, number, of_class, rectangle, texts};
 use roxmltree::{Document, Node};
+use umwelt_api::comparison::Figure;
 use umwelt_core::comparison::{ComparisonSettings, Distribution, Trial};
 
 fn settings() -> ComparisonSettings {
