@@ -164,3 +164,18 @@ fn beliefs_are_honest_where_the_truth_is_drawn_from_the_prior() {
     let coverage = runs.iter().map(|run| run.coverage).fold(Coverage::default(), Coverage::and);
     assert!((coverage.share().unwrap() - 0.9).abs() < 0.01, "{coverage:?}");
 }
+
+/// The bug to fear: a robot that gives up early, or is late, counted as fast.
+#[test]
+fn who_does_not_arrive_in_time_took_the_whole_of_it() {
+    for limit in [5.0, 0.5] {
+        let settings = small("thesis", &["statistic/20", "oracle/1"], 2).settings;
+        let settings = ComparisonSettings { time_limit: limit, ..settings };
+        let done = run(Comparison::new(settings).unwrap());
+        for distribution in done.distributions() {
+            assert!(distribution.trials.iter().all(|it| !it.arrived && it.time == limit));
+        }
+        let entry = &done.report().unwrap().environments[0].entries[0];
+        assert_eq!((entry.arrived.mean, entry.summary.time.mean.mean), (0.0, limit));
+    }
+}
