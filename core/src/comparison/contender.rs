@@ -170,63 +170,62 @@ impl Contender {
             region: environment.region.clone(),
             time_limit: time_limit + CALIBRATION_TIME,
         };
+        let limit = *time_limit;
         match self.approach {
             Approach::FixedNormal
             | Approach::FixedBad
             | Approach::Statistic
-            | Approach::Bayesian => {
-                let witness = Witness::default();
-                let controller = Controller::with(told, witness);
-                let is_asked = self.approach.identifies() && known.len() > 1;
-                let (mut recognised, mut samples) = (is_asked.then_some(0), 0);
-                let driven = scenario.drive(controller, seed, |_, controller| {
-                    let belief = controller.belief();
-                    let taken = belief.samples();
-                    if is_asked && taken != samples {
-                        samples = taken;
-                        let is_right = Errors::nearest(known, &belief.model()) == here;
-                        recognised = if is_right { recognised.or(Some(samples)) } else { None };
-                    }
-                });
-                let Ok((outcome, controller)) = driven else { return lost(*time_limit) };
-                let identifies = self.approach.identifies();
-                let trial = Trial {
-                    recognised,
-                    coverage: identifies.then(|| controller.compensation().coverage()),
-                    ..trial(outcome, *time_limit)
-                };
-                let statistics = |channel| controller.belief().channel(channel).sample_statistics();
-                (trial, Channel::ALL.map(statistics))
-            }
-            Approach::Oracle => self.outcome(&scenario, Oracle::new(&scenario), seed, *time_limit),
-            Approach::StopWhenStale => {
-                self.outcome(&scenario, StopWhenStale::default(), seed, *time_limit)
-            }
-            Approach::NoCompensation => self.outcome(&scenario, NoCompensation, seed, *time_limit),
-            Approach::EkfPacket => {
-                self.outcome(&scenario, EkfPacket::tuned(&told), seed, *time_limit)
-            }
-            Approach::SlidingMode => {
-                self.outcome(&scenario, SlidingMode::tuned(&told), seed, *time_limit)
-            }
-            Approach::GpMpc => self.outcome(&scenario, GpMpc::tuned(&told), seed, *time_limit),
+            | Approach::Bayesian => self.watched(&scenario, known, here, seed, limit),
+            Approach::Oracle => outcome(&scenario, Oracle::new(&scenario), seed, limit),
+            Approach::StopWhenStale => outcome(&scenario, StopWhenStale::default(), seed, limit),
+            Approach::NoCompensation => outcome(&scenario, NoCompensation, seed, limit),
+            Approach::EkfPacket => outcome(&scenario, EkfPacket::tuned(&told), seed, limit),
+            Approach::SlidingMode => outcome(&scenario, SlidingMode::tuned(&told), seed, limit),
+            Approach::GpMpc => outcome(&scenario, GpMpc::tuned(&told), seed, limit),
         }
     }
 
-    /// Drives one episode of which nothing but the outcome counts.
-    fn outcome(
+    /// Drives one episode by what is believed, and watches what that is.
+    fn watched(
         &self,
         scenario: &Scenario,
-        compensation: impl Compensation,
+        known: &[Errors],
+        here: usize,
         seed: u64,
         time_limit: f64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let controller = Controller::with(scenario.settings, compensation);
-        let Ok((outcome, _)) = scenario.drive(controller, seed, |_, _| {}) else {
-            return lost(time_limit);
-        };
-        (trial(outcome, time_limit), Default::default())
+        let identifies = self.approach.identifies();
+        let is_asked = identifies && known.len() > 1;
+        let (mut recognised, mut samples) = (None, None);
+        let controller = Controller::with(scenario.settings, Witness::default());
+        let driven = scenario.drive(controller, seed, |_, controller| {
+            let belief = controller.belief();
+            let taken = belief.samples();
+            if is_asked && samples != Some(taken) {
+                samples = Some(taken);
+                let is_right = Errors::nearest(known, &belief.model()) == here;
+                recognised = if is_right { recognised.or(samples) } else { None };
+            }
+        });
+        let Ok((outcome, controller)) = driven else { return lost(time_limit) };
+        let coverage = identifies.then(|| controller.compensation().coverage());
+        let statistics = |channel| controller.belief().channel(channel).sample_statistics();
+        let trial = Trial { recognised, coverage, ..trial(outcome, time_limit) };
+        (trial, Channel::ALL.map(statistics))
     }
+}
+
+/// Drives one episode of which nothing but the outcome counts.
+fn outcome(
+    scenario: &Scenario,
+    compensation: impl Compensation,
+    seed: u64,
+    time_limit: f64,
+) -> (Trial, [SampleStatistics; 4]) {
+    let controller = Controller::with(scenario.settings, compensation);
+    let driven = scenario.drive(controller, seed, |_, _| {});
+    let Ok((outcome, _)) = driven else { return lost(time_limit) };
+    (trial(outcome, time_limit), Default::default())
 }
 
 /// An episode's outcome as it is compared. A robot that has not arrived in time took the whole of it.
