@@ -315,24 +315,22 @@ async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() 
         ("nonsense", "damaged"),
     ] {
         let store = Arc::new(MemoryStore::default());
-        let first = serve(store.clone()).await;
-        let path = first.begin(&long()).await;
-        Follower::open(&first, &path, None).await.until(|event| event["id"] == 1).await;
-        let next = first.begin(&small()).await;
-        drop(first);
+        let (mut path, mut next) = (String::new(), String::new());
+        // Told to end, and waited for: one that was only dropped may still write its own checkpoint.
+        serve_and_stop(store.clone(), async |first| {
+            path = first.begin(&long()).await;
+            Follower::open(&first, &path, None).await.until(|event| event["id"] == 1).await;
+            next = first.begin(&small()).await;
+        })
+        .await;
         let job = JobId { kind: JobKind::Evolution, number: 1 };
-        // The one before may still be writing: it stops for what it finds written.
-        let second = loop {
-            let change = Change::PutCheckpoint { job, body: checkpoint.to_owned() };
-            store.commit(vec![change]).unwrap();
-            let server = serve(store.clone()).await;
-            let failed = ended(&server, &path).await;
-            if failed["state"] == "failed" {
-                let error = failed["error"].as_str().unwrap();
-                assert!(error.contains(said) && error.contains("submit it again"), "{error}");
-                break server;
-            }
-        };
+        let change = Change::PutCheckpoint { job, body: checkpoint.to_owned() };
+        store.commit(vec![change]).unwrap();
+        let second = serve(store.clone()).await;
+        let failed = ended(&second, &path).await;
+        assert_eq!(failed["state"], "failed");
+        let error = failed["error"].as_str().unwrap();
+        assert!(error.contains(said) && error.contains("submit it again"), "{error}");
         assert_eq!(ended(&second, &next).await["state"], "succeeded");
     }
 }
