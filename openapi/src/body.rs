@@ -20,22 +20,23 @@ pub(crate) fn read<T: DeserializeOwned + Checked>(bytes: &[u8]) -> Result<T, Pro
 pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Checked>(
     bytes: &[u8],
 ) -> Result<T, Problems> {
-    let (body, check) = read_open::<T>(bytes)?;
-    check.finish()?;
-    Ok(body)
+    read_resolved(bytes, |_: &T, _| ()).map(|(body, ())| body)
 }
 
-/// Reads as [`read_shared`] does and leaves the check open: more may be asked of the body before it is finished.
-pub(crate) fn read_open<T: DeserializeOwned + Serialize + Checked>(
+/// Reads as [`read_shared`] does, and what `resolve` makes of the body; what that reports is told with the rest.
+pub(crate) fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
     bytes: &[u8],
-) -> Result<(T, Check), Problems> {
+    resolve: impl FnOnce(&T, &mut Check) -> R,
+) -> Result<(T, R), Problems> {
     let body: T = parse(bytes)?;
     let given = parse::<Value>(bytes)?;
     let known = serde_json::to_value(&body).map_err(|error| malformed("", &given, &error))?;
     let mut check = Check::default();
     refuse_unknown(&mut check, &given, &known);
     body.check(&mut check);
-    Ok((body, check))
+    let resolved = resolve(&body, &mut check);
+    check.finish()?;
+    Ok((body, resolved))
 }
 
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problems> {

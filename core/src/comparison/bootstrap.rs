@@ -11,6 +11,7 @@ pub(super) const RESAMPLES: usize = 2000;
 
 /// How often each trial was drawn, resample by resample.
 pub(super) struct Resamples {
+    trials: usize,
     counts: Vec<Vec<u16>>,
 }
 
@@ -26,16 +27,12 @@ impl Resamples {
             }
             counts
         };
-        Self { counts: (0..RESAMPLES).map(|_| draw()).collect() }
+        Self { trials, counts: (0..RESAMPLES).map(|_| draw()).collect() }
     }
 
     /// `statistic` of the trials as they are, and of each resample; it is told how often each trial counts.
-    pub(super) fn of<T>(
-        &self,
-        trials: usize,
-        mut statistic: impl FnMut(&[u16]) -> T,
-    ) -> Replicates<T> {
-        let value = statistic(&vec![1; trials]);
+    pub(super) fn of<T>(&self, statistic: impl Fn(&[u16]) -> T) -> Replicates<T> {
+        let value = statistic(&vec![1; self.trials]);
         Replicates { value, drawn: self.counts.iter().map(|counts| statistic(counts)).collect() }
     }
 }
@@ -93,8 +90,8 @@ impl Sorted {
             let count = usize::from(counts[trial]);
             sum += count as f64 * value;
             for (found, rank) in found.iter_mut().zip([half, most]) {
-                if before < rank {
-                    *found = if count > 0 { value } else { *found };
+                if before < rank && count > 0 {
+                    *found = value;
                 }
             }
             before += count;
@@ -132,7 +129,7 @@ mod tests {
             let mut rng = seeds::rng(run, Purpose::Compare, 0);
             let values = (0..trials).map(|_| -> f64 { StandardNormal.sample(&mut rng) });
             let sorted = Sorted::new(values);
-            let drawn = resamples.of(trials, |counts| sorted.quantities(counts));
+            let drawn = resamples.of(|counts| sorted.quantities(counts));
             for (held, estimate) in
                 held.iter_mut().zip([drawn.estimate(|it| it.mean), drawn.estimate(|it| it.median)])
             {
@@ -149,8 +146,8 @@ mod tests {
         let resamples = Resamples::new(30, 1, 0);
         let values = |plus: f64| Sorted::new((0..30).map(move |i| f64::from(i * i % 17) + plus));
         let (one, other) = (values(0.5), values(0.0));
-        let one = resamples.of(30, |counts| one.quantities(counts));
-        let other = resamples.of(30, |counts| other.quantities(counts));
+        let one = resamples.of(|counts| one.quantities(counts));
+        let other = resamples.of(|counts| other.quantities(counts));
         let difference = one.paired(&other, |one, other| one.mean - other.mean);
         assert!((difference.low - 0.5).abs() < 1e-9 && (difference.high - 0.5).abs() < 1e-9);
         assert!(one.estimate(|it| it.mean).high > one.estimate(|it| it.mean).low + 1.0);

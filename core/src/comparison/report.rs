@@ -134,7 +134,7 @@ impl Driven {
     fn new(trials: &[Trial], resamples: &Resamples) -> Self {
         let replicates = |of: fn(&Trial) -> f64| {
             let sorted = Sorted::new(trials.iter().map(of));
-            resamples.of(trials.len(), |counts| sorted.quantities(counts))
+            resamples.of(|counts| sorted.quantities(counts))
         };
         Self { time: replicates(|it| it.time), deviation: replicates(|it| it.deviation) }
     }
@@ -245,5 +245,5 @@ fn coverage(trials: &[Trial], resamples: &Resamples) -> Option<Estimate> {
             });
         within / f64::max(samples, 1.0)
     };
-    Some(resamples.of(trials.len(), share).estimate(|share| share))
+    Some(resamples.of(share).estimate(|share| share))
 }

@@ -25,10 +25,7 @@ impl Request {
         json: &[u8],
         known: impl Fn(&str) -> Known<TrainingEnvironment>,
     ) -> Result<(Self, EvolutionSettings), Problems> {
-        let (request, mut check) = body::read_open::<Self>(json)?;
-        let settings = request.resolve(known, &mut check);
-        check.finish()?;
-        Ok((request, settings))
+        body::read_resolved(json, |request: &Self, check| request.resolve(known, check))
     }
 
     /// What is to be run, all filled in.

@@ -190,9 +190,8 @@ impl Spec {
         json: &[u8],
         known: impl Fn(&str) -> Known<settings::Prior>,
     ) -> Result<(Self, Settings), Problems> {
-        let (spec, mut check) = body::read_open::<Self>(json)?;
-        let prior = spec.resolve_prior(known, &mut check);
-        check.finish()?;
+        let (spec, prior) =
+            body::read_resolved(json, |spec: &Self, check| spec.resolve_prior(known, check))?;
         let settings = spec.settings(prior);
         Ok((spec, settings))
     }
