@@ -4,7 +4,7 @@ use crate::actuation::Playing;
 use crate::controller::settings::Attribution;
 use crate::geometry::WheelSpeeds;
 use crate::geometry::elementary::least;
-use crate::horizon::{Horizon, SLOT};
+use crate::horizon::{Horizon, MAX_SLOTS, SLOT};
 use crate::kinematics::{self, Drive};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -17,6 +17,14 @@ const REPORTS: usize = 100;
 
 /// No change between two plans takes longer than this many s: full speed forward to full reverse.
 const LONGEST_SPREAD: f64 = 1.0;
+
+/// Most steps of a ramp that a walk follows: 30 s of ramp. A robot that takes longer to rest, and has not been seen
+/// meanwhile, may be anywhere.
+const RAMP_STEPS: usize = 3_000;
+
+/// Most pieces of one walk: every entry of every horizon, every report twice, and a ramp. What is left then counts as
+/// rest: a step has an end whatever was asked for.
+const MOST_PIECES: usize = REMEMBERED * MAX_SLOTS + 2 * REPORTS + RAMP_STEPS;
 
 /// A horizon that begins within this many s has begun.
 const SOON: f64 = 1e-9;
@@ -231,6 +239,9 @@ impl Commands {
     }
 
     /// Calls `each` with the wheel speeds in force and their duration in s, from `from` to `to` without a gap.
+    ///
+    /// Each piece ends after it begins: with the horizon, with its entry, with what the robot reported, or with the walk.
+    /// There are no more than [`MOST_PIECES`].
     pub fn walk(
         &self,
         attribution: Attribution,
@@ -243,7 +254,10 @@ impl Commands {
         // As sent, nothing is looked up twice: in force is the one that was, or the one after it.
         let mut begun = self.sent_near(from);
         let (mut in_force, mut next) = (self.last_of(begun), self.sent.get(begun));
-        while time < to - 1e-9 {
+        for _ in 0..MOST_PIECES {
+            if time >= to - 1e-9 {
+                return;
+            }
             let (horizon, until) = if attribution == Attribution::Sent {
                 while let Some(horizon) = next
                     && horizon.start <= time + SOON
@@ -266,6 +280,9 @@ impl Commands {
             let next = least(least(until, change), to);
             each(speeds, next - time);
             time = next;
+        }
+        if time < to {
+            each(WheelSpeeds::ZERO, to - time);
         }
     }
 
@@ -384,6 +401,42 @@ mod tests {
             });
             prop_assert_eq!(wrong, 0);
             prop_assert!((time - from - length).abs() < 1e-6);
+        }
+
+        /// The bug to fear: a walk without an end, where a clock is so large that a boundary rounds to a moment that is
+        /// not later. Clocks over the whole range of the contract, pauses from a microsecond to a day, ramps of hours.
+        #[test]
+        fn a_walk_ends_and_covers_its_time_whatever_the_clock_reads(
+            base in -1e9..1e9f64, first in 1usize..100, slots in 1usize..=MAX_SLOTS, back in 0.0..3.0f64,
+            pause in (-6.0..4.94f64).prop_map(|digits| 10_f64.powf(digits)),
+            played in any::<bool>(), holds_for_ever in any::<bool>(), slow in any::<bool>(),
+        ) {
+            let mut drive = Drive::default();
+            if slow {
+                (drive.max_linear_acceleration, drive.max_angular_acceleration) = (1e-5, 1e-4);
+            }
+            let mut commands = Commands::default();
+            let watchdog = if holds_for_ever { 0.0 } else { 0.3 };
+            for sequence in 0..first {
+                let start = base + sequence as f64 * SLOT;
+                let horizon = commands.begin(sequence as u64, start, SLOT, watchdog);
+                let speeds = (0..slots).map(|slot| 1.0 + 0.01 * slot as f64);
+                horizon.speeds.extend(speeds.map(|speed| WheelSpeeds { left: speed, right: speed }));
+                commands.report(Playing { horizon: sequence as u64, since: start }, start + SLOT / 2.0);
+            }
+            let attribution = if played { Attribution::Played } else { Attribution::Sent };
+            let last = base + first as f64 * SLOT;
+            let (from, to) = (last - back, last + pause);
+            let (mut sum, mut pieces) = (0.0, 0);
+            commands.walk(attribution, &drive, from, to, |_, duration| {
+                assert!(duration > 0.0, "time stands still at {}", from + sum);
+                sum += duration;
+                pieces += 1;
+                assert!(pieces <= MOST_PIECES + 1);
+            });
+            // Each piece begins and ends at numbers that the clock can say, so little is lost in their sum.
+            let digits = 1e-9 + 1e-12 * (to - from) + pieces as f64 * f64::EPSILON * (to - from);
+            prop_assert!((sum - (to - from)).abs() <= digits, "{sum} of {}", to - from);
         }
     }
 }

@@ -97,35 +97,73 @@ impl Horizon {
         self.piece(time, drive).1
     }
 
-    /// [`Horizon::at`] and [`Horizon::next_change`] at once.
+    /// [`Horizon::at`] and [`Horizon::next_change`] at once. The change always lies after `time`, however few digits
+    /// a large clock leaves for it: whoever goes from change to change comes to the end.
     #[inline]
     pub fn piece(&self, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
-        let past = time - self.start + BOUNDARY * self.slot;
-        if past < 0.0 {
-            return (WheelSpeeds::ZERO, self.start);
-        }
-        // The last entry goes on past its slot.
-        if self.speeds.len() > 1 {
-            let next = ((past / self.slot) as usize).saturating_add(1);
-            if next < self.speeds.len() {
-                return (self.speeds[next - 1], self.start + next as f64 * self.slot);
-            }
-        }
-        self.last_piece(time, drive)
+        let Some(index) = self.index(time) else { return (WheelSpeeds::ZERO, self.start) };
+        let piece = self.piece_at(index, drive);
+        if piece.1 > time { piece } else { self.piece_after(index, time, drive) }
     }
 
-    /// The last entry and the ramp.
-    fn last_piece(&self, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
+    /// Which piece holds at `time`: the entries, then the steps of the ramp, which go on into rest. None before the start.
+    #[inline]
+    fn index(&self, time: f64) -> Option<usize> {
+        let past = time - self.start + BOUNDARY * self.slot;
+        if past < 0.0 {
+            return None;
+        }
+        let index = (past / self.slot) as usize;
+        let last = self.speeds.len().saturating_sub(1);
+        // The last entry goes on past its slot.
+        Some(if index < last { index } else { last + self.ramp_step(time) })
+    }
+
+    /// Which step of the ramp holds at `time`, counted from 1; 0 before the ramp.
+    fn ramp_step(&self, time: f64) -> usize {
+        let past = time - self.valid_until() + BOUNDARY * self.slot;
+        if past < 0.0 {
+            return 0;
+        }
+        // More steps than this no ramp has; a time beyond them all is one at rest.
+        ((past / RAMP_STEP) as usize).min(u32::MAX as usize) + 1
+    }
+
+    /// The speeds of a piece and when it ends.
+    #[inline]
+    fn piece_at(&self, index: usize, drive: &Drive) -> (WheelSpeeds, f64) {
+        if index + 1 < self.speeds.len() {
+            return (self.speeds[index], self.start + (index + 1) as f64 * self.slot);
+        }
+        self.last_piece(index - self.speeds.len().saturating_sub(1), drive)
+    }
+
+    /// The last entry, or a step of the ramp.
+    fn last_piece(&self, step: usize, drive: &Drive) -> (WheelSpeeds, f64) {
         let (valid_until, last) = (self.valid_until(), self.speeds.last().copied());
         let last = last.unwrap_or(WheelSpeeds::ZERO);
-        let past = time - valid_until + BOUNDARY * self.slot;
-        if past < 0.0 {
+        if step == 0 {
             return (last, valid_until);
         }
         let ramp = drive.stopping_time(kinematics::forward(drive, last));
-        let gone = ((past / RAMP_STEP).floor() + 1.0) * RAMP_STEP;
+        let gone = step as f64 * RAMP_STEP;
         let speeds = if gone >= ramp { WheelSpeeds::ZERO } else { last.scaled(1.0 - gone / ramp) };
         (speeds, if gone >= ramp + RAMP_STEP { f64::INFINITY } else { valid_until + gone })
+    }
+
+    /// The first piece behind the one at `index` that ends after `time`: where a clock is so large that a boundary
+    /// rounds to before itself, the next piece has begun.
+    #[cold]
+    fn piece_after(&self, index: usize, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
+        let mut next = index + 1;
+        loop {
+            // The ramp ends in a piece that lasts for ever, so this comes to an end.
+            let piece = self.piece_at(next, drive);
+            if piece.1 > time || piece.1 == f64::INFINITY {
+                return piece;
+            }
+            next += 1;
+        }
     }
 }
 
@@ -184,6 +222,27 @@ mod tests {
             }
             let stop = drive.stopping_time(kinematics::forward(&drive, h.speeds[slots - 1]));
             prop_assert!(time <= h.valid_until().max(h.start + offset) + stop + 2.0 * RAMP_STEP);
+        }
+
+        /// The bug to fear: a boundary that rounds to a moment that is not later, at which whoever walks from change
+        /// to change stays for ever. Clocks over the whole range of the contract.
+        #[test]
+        fn every_change_lies_ahead_whatever_the_clock_reads(
+            start in -1e9..1e9f64, slots in 1usize..=MAX_SLOTS, ahead in 0.0..5.0f64, watchdog in 0.01..5.0f64,
+        ) {
+            let drive = Drive::default();
+            let h = Horizon { start, ..horizon(slots, watchdog) };
+            let mut time = start + ahead;
+            for _ in 0..slots + 100 {
+                let next = h.next_change(time, &drive);
+                prop_assert!(next > time, "{next} is not after {time}");
+                if next.is_infinite() {
+                    prop_assert_eq!(h.at(time, &drive), WheelSpeeds::ZERO);
+                    return Ok(());
+                }
+                time = next;
+            }
+            prop_assert!(false, "no end in sight at {time}");
         }
 
         /// The ramp never asks for more than the acceleration limit.
