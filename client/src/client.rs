@@ -158,7 +158,8 @@ impl Client {
         })
     }
 
-    /// Sets the task of a robot; it begins with the next step and replaces the one before.
+    /// Sets the task of a robot; it begins with the next step and replaces the one before. The very task that it has
+    /// already goes on as it is, arrived or not: to have it driven again, cancel it first.
     ///
     /// # Errors
     /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.

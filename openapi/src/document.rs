@@ -130,10 +130,10 @@ fn tasks() -> Vec<Route> {
     vec![
         Route::put("/v1/robots/{robot}/task", "put_task", "Set the task of a robot")
             .tag("tasks")
-            .about("Replaces the one before; begins with the next step.")
+            .about("Replaces the one before; begins with the next step. The very task that the robot has already goes on as it is, arrived or not, with the same `etag`: to have it driven again, DELETE it first.")
             .if_match()
             .takes::<task::Spec>()
-            .gives::<task::Task>(200, "It replaced another")
+            .gives::<task::Task>(200, "It replaced another, or is the one that there was")
             .gives::<task::Task>(201, "It was set")
             .fails(&[400, 404, 409]),
         Route::get(

@@ -9,7 +9,7 @@ use super::job::watch::{Told, watch};
 use super::job::{At, Job, News, STATES, described, episodes, time_left};
 use super::output::Output;
 use super::progress::{say, wait};
-use super::quantity::{UNKNOWN, millimetres, or_unknown, percent, span};
+use super::quantity::{UNKNOWN, millimetres, of_arrivals, or_unknown, percent, span};
 use super::table::{Column, Table};
 use crate::client::Client;
 use crate::error::Error;
@@ -263,16 +263,17 @@ fn generations_table(page: &GenerationsPage) -> String {
     ]);
     for generation in &page.generations {
         for (index, environment) in generation.environments.iter().enumerate() {
+            let known = |text| of_arrivals(environment.arrived, text);
             let once = |text: String| if index == 0 { text } else { String::new() };
             table.row([
                 once(generation.index.to_string()),
                 once(format!("{:.3}", generation.best_fitness)),
                 once(format!("{:.3}", generation.mean_fitness)),
                 environment.environment.clone(),
-                millimetres(environment.best_deviation_m),
-                millimetres(environment.mean_deviation_m),
-                format!("{:.1} s", environment.best_time_s),
-                format!("{:.1} s", environment.mean_time_s),
+                known(millimetres(environment.best_deviation_m)),
+                known(millimetres(environment.mean_deviation_m)),
+                known(format!("{:.1} s", environment.best_time_s)),
+                known(format!("{:.1} s", environment.mean_time_s)),
                 percent(environment.arrived),
             ]);
         }

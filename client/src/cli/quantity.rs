@@ -10,6 +10,11 @@ pub(super) fn or_unknown<T>(value: Option<T>, text: impl FnOnce(T) -> String) ->
     value.map_or_else(|| UNKNOWN.to_owned(), text)
 }
 
+/// A result of those who arrived; that of nobody is none.
+pub(super) fn of_arrivals(arrived: f64, text: String) -> String {
+    if arrived > 0.0 { text } else { UNKNOWN.to_owned() }
+}
+
 pub(super) fn metres(value: f64) -> String {
     format!("{value:.3} m")
 }

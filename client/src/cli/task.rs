@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::input;
 use super::output::Output;
-use super::progress::{StatusLine, wait};
+use super::progress::{StatusLine, say, wait};
 use super::quantity::{self, metres, millimetres};
 use super::table::{Column, Table};
 use crate::client::Client;
@@ -14,6 +14,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval};
 use umwelt_api::RobotId;
+use umwelt_api::problem::Status;
 use umwelt_api::robot::{Robot, State};
 use umwelt_api::task::{Calibration, Spec, Stage, Task, Waypoint};
 
@@ -42,6 +43,9 @@ pub(super) enum Command {
 const SET_EXAMPLES: &str = "\
 Before the task the robot calibrates: it turns left and right and drives 0.3 m forward and back, to learn what floor
 and link are like. Give it the room, or another calibration, or none.
+
+A task that is the same as the one under way goes on as it is; once the robot has arrived, it is driven again. --again
+drives it from its beginning in any case.
 
 With --watch the exit status is 0 once the robot has arrived. Ctrl-C ends the watching, not the task.
 
@@ -73,6 +77,9 @@ pub(super) struct Set {
     /// Drive in reverse toward waypoints behind the robot, rather than turn round
     #[arg(long)]
     reverse: bool,
+    /// Drive from the beginning, even where this very task is under way
+    #[arg(long)]
+    again: bool,
     /// Show progress until the robot arrives
     #[arg(long)]
     watch: bool,
@@ -118,7 +125,7 @@ impl Command {
         match self {
             Self::Set(set) => {
                 let spec = set.spec()?;
-                let task = wait(client.set_task(&set.robot, &spec)).await?;
+                let task = wait(assign(client, &set.robot, &spec, set.again)).await?;
                 if !set.watch {
                     return output.result(&task, accepted);
                 }
@@ -133,6 +140,29 @@ impl Command {
             }
         }
     }
+}
+
+/// Sets the task. The server leaves the very task that the robot has as it is; whoever says it again once the robot has
+/// arrived, or says `again`, wants to see it driven once more.
+async fn assign(client: &Client, robot: &RobotId, spec: &Spec, again: bool) -> Result<Task, Error> {
+    let before = match client.get_task(robot).await {
+        Ok(task) => Some(task.etag),
+        Err(error) if error.status() == Some(Status::NotFound) => None,
+        Err(error) => return Err(error),
+    };
+    let task = client.set_task(robot, spec).await?;
+    if before.as_ref() != Some(&task.etag) {
+        return Ok(task);
+    }
+    if !again && task.progress.stage != Stage::Arrived {
+        say(&format!(
+            "{robot} has this very task already and goes on with it; --again drives it from its beginning"
+        ));
+        return Ok(task);
+    }
+    // Only this one: another task that somebody else sets meanwhile is not cancelled.
+    client.if_match(&task.etag).cancel_task(robot).await?;
+    client.set_task(robot, spec).await
 }
 
 impl Set {
@@ -313,7 +343,13 @@ fn show(task: &Task) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_server::{Server, answer, json};
     use clap::Parser;
+    use hyper::body::Incoming;
+    use hyper::{Method, Request, StatusCode};
+    use std::sync::{Arc, Mutex};
+    use umwelt_api::ErrorBody;
+    use umwelt_api::problem::Problem;
     use umwelt_api::task::Progress;
 
     #[derive(Parser)]
@@ -373,6 +409,58 @@ mod tests {
         let turned = Calibration { angular_rad_per_s: 1.5, ..of_file };
         assert_eq!(flags("--calibration-turn 1.5").on_top_of(Some(of_file)), Some(turned));
         assert_eq!(flags("--no-calibration").on_top_of(Some(of_file)), None);
+    }
+
+    /// What is asked of a server whose robot has a task at `stage`, `same` as the one that is set or another.
+    async fn asked(stage: Option<Stage>, same: bool, again: bool) -> Vec<String> {
+        let asked = Arc::new(Mutex::new(Vec::new()));
+        let log = Arc::clone(&asked);
+        let server = Server::start(move |request: Request<Incoming>| {
+            let if_match = request.headers().get("if-match").is_some();
+            let method = request.method().clone();
+            log.lock().unwrap().push(format!("{method}{}", if if_match { " if" } else { "" }));
+            async move {
+                let had = |stage| serde_json::to_string(&task(stage, 0)).unwrap();
+                match (method, stage) {
+                    (Method::DELETE, _) => answer(StatusCode::NO_CONTENT, "text/plain", ""),
+                    (Method::GET, None) => {
+                        let problem = Problem::new(Status::NotFound, "robot a has no task");
+                        let body = serde_json::to_string(&ErrorBody::from(problem)).unwrap();
+                        json(StatusCode::NOT_FOUND, &body)
+                    }
+                    (Method::PUT, Some(stage)) if same => json(StatusCode::OK, &had(stage)),
+                    (Method::PUT, _) => {
+                        let new = had(Stage::Idle).replace("\\\"1\\\"", "2");
+                        json(StatusCode::OK, &new)
+                    }
+                    (_, stage) => json(StatusCode::OK, &had(stage.unwrap())),
+                }
+            }
+        })
+        .await;
+        let client = Client::new(&server.url).unwrap();
+        let spec = spec("--waypoint 0.2,0").unwrap();
+        assign(&client, &"a".parse().unwrap(), &spec, again).await.unwrap();
+        asked.lock().unwrap().clone()
+    }
+
+    /// The bugs to fear: "task set" after the arrival does nothing, or sends a robot that is under way back to its start.
+    #[tokio::test]
+    async fn a_task_that_is_done_is_driven_again_and_one_under_way_goes_on() {
+        let set = ["GET", "PUT"].as_slice();
+        let anew = ["GET", "PUT", "DELETE if", "PUT"].as_slice();
+        for (stage, same, again, expected) in [
+            (None, false, false, set),
+            (None, false, true, set),
+            (Some(Stage::Driving), false, false, set),
+            (Some(Stage::Driving), false, true, set),
+            (Some(Stage::Driving), true, false, set),
+            (Some(Stage::Driving), true, true, anew),
+            (Some(Stage::Arrived), true, false, anew),
+            (Some(Stage::Arrived), false, false, set),
+        ] {
+            assert_eq!(asked(stage, same, again).await, expected, "{stage:?} {same} {again}");
+        }
     }
 
     #[test]

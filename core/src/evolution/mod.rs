@@ -12,12 +12,14 @@
 //! 3. *Selection*: the ten fittest of the last generation drive fresh seeds; the best of them is the champion.
 //! 4. *Report*: on third seeds, beside the best of the first generation, the weak default prior and a flat one.
 //!
+//! Where nobody arrives there is nothing to select by: it ends without a report and says why ([`Evolution::hopeless`]).
+//!
 //! ```
 //! use umwelt_core::evolution::{Evolution, EvolutionSettings};
 //! let quick = EvolutionSettings::preset("quick").ok_or("no such preset")?;
 //! let settings = EvolutionSettings { population: 4, generations: 2, report_trials: 2, ..quick };
 //! let mut evolution = Evolution::new(settings)?;
-//! while evolution.report().is_none() {
+//! while evolution.report().is_none() && evolution.hopeless().is_none() {
 //!     let jobs = evolution.jobs();
 //!     let evaluations: Vec<_> = jobs.iter().map(|job| evolution.evaluate(job)).collect();
 //!     evolution.tell(&evaluations)?;
@@ -32,6 +34,7 @@ pub mod event_probability;
 mod generation;
 mod genetic;
 mod genome;
+mod hopeless;
 mod report;
 mod settings;
 
@@ -40,6 +43,7 @@ pub use environment::{
 };
 pub use generation::{Generation, GenerationEnvironment, Spread};
 pub use genetic::GeneticSettings;
+pub use hopeless::{HOPELESS_GENERATIONS, Hopeless};
 pub use report::{Entry, EnvironmentResult, Estimate, LEVEL, Report};
 pub use settings::{
     EvolutionSettings, MAX_BATCH, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,
@@ -162,6 +166,11 @@ pub struct Evolution {
     champion: Option<Genome>,
     report: Option<Report>,
     episodes: u64,
+    /// Episodes of the reference and the generations in which the robot arrived; none where an older program began it.
+    #[serde(default)]
+    arrivals: Option<u64>,
+    #[serde(default)]
+    hopeless: Option<Hopeless>,
 }
 
 impl Evolution {
@@ -198,6 +207,8 @@ impl Evolution {
             champion: None,
             report: None,
             episodes: 0,
+            arrivals: Some(0),
+            hopeless: None,
         })
     }
 
@@ -241,9 +252,17 @@ impl Evolution {
         self.report.as_ref()
     }
 
+    /// Why it ends without a report, where it does.
+    pub fn hopeless(&self) -> Option<&Hopeless> {
+        self.hopeless.as_ref()
+    }
+
     /// Subjects of the stage, and trials of each in each environment.
     fn sizes(&self) -> (usize, usize) {
         let settings = &self.settings;
+        if self.hopeless.is_some() {
+            return (0, 0);
+        }
         match self.stage {
             Stage::Reference => (1, REFERENCE_TRIALS),
             Stage::Generations { .. } => {
@@ -256,7 +275,8 @@ impl Evolution {
         }
     }
 
-    /// What is to be evaluated now: subject by subject, environment by environment, trial by trial. Empty once done.
+    /// What is to be evaluated now: subject by subject, environment by environment, trial by trial. Empty once done
+    /// or hopeless.
     pub fn jobs(&self) -> Vec<Job> {
         let (purpose, generation) = match self.stage {
             Stage::Reference => (Purpose::Reference, 0),
@@ -337,13 +357,21 @@ impl Evolution {
             return Err(TellError { given: evaluations.len(), asked });
         }
         self.episodes += evaluations.len() as u64;
+        if let (Some(arrivals), Stage::Reference | Stage::Generations { .. }) =
+            (&mut self.arrivals, self.stage)
+        {
+            *arrivals += evaluations.iter().filter(|it| it.arrived).count() as u64;
+        }
         match self.stage {
+            _ if self.hopeless.is_some() => {}
             Stage::Reference => {
                 self.units = self.measure_units(evaluations);
                 self.stage = Stage::Generations { generation: 0 };
             }
             Stage::Generations { generation } => {
-                return Ok(Some(self.end_generation(generation, evaluations)));
+                let summary = self.end_generation(generation, evaluations);
+                self.give_up_where_nobody_arrives(generation);
+                return Ok(Some(summary));
             }
             Stage::Selection => {
                 let fitness = self.fitness(self.candidates.len(), evaluations);
@@ -351,8 +379,11 @@ impl Evolution {
                 self.stage = Stage::Report;
             }
             Stage::Report => {
-                self.report = Some(self.make_report(evaluations));
-                self.stage = Stage::Done;
+                self.hopeless = self.champion_fails(evaluations);
+                if self.hopeless.is_none() {
+                    self.report = Some(self.make_report(evaluations));
+                    self.stage = Stage::Done;
+                }
             }
             Stage::Done => {}
         }
@@ -446,6 +477,34 @@ impl Evolution {
             };
         }
         summary
+    }
+
+    /// Gives up after some generations in which, as before them, nobody has arrived.
+    fn give_up_where_nobody_arrives(&mut self, generation: usize) {
+        let enough = HOPELESS_GENERATIONS.min(self.settings.generations);
+        if self.arrivals == Some(0) && generation + 1 >= enough {
+            let environments = hopeless::names(&self.settings.environments);
+            self.hopeless = Some(Hopeless::NobodyArrives { environments, episodes: self.episodes });
+        }
+    }
+
+    /// Why the champion, whose trials are the first of the report, is of no use.
+    fn champion_fails(&self, evaluations: &[Evaluation]) -> Option<Hopeless> {
+        let EvolutionSettings { environments, limits, report_trials, .. } = &self.settings;
+        let trials = report_trials * environments.len();
+        let champion = evaluations.get(..trials)?;
+        let fits = |(environment, trials): (&TrainingEnvironment, &[Evaluation])| {
+            trials.iter().any(|it| environment.fitness.of(limits, it) > 0.0)
+        };
+        if environments.iter().zip(champion.chunks_exact(*report_trials)).any(fits) {
+            return None;
+        }
+        let arrived = champion.iter().filter(|it| it.arrived).count() as f64 / trials as f64;
+        Some(Hopeless::ChampionFails {
+            environments: hopeless::names(environments),
+            trials,
+            arrived,
+        })
     }
 
     /// Who is reported, the champion first.

@@ -207,3 +207,68 @@ fn the_thesis_prior_halves_the_deviation_on_the_bad_link() {
     let [careful, weak] = [Prior::thesis(), Prior::default()].map(drive);
     assert!(careful < 0.6 * weak, "{careful} {weak}");
 }
+
+/// Goes on as [`run`] does, with evaluations that are made up; what it says in the end, and how many generations.
+fn made_up(
+    mut evolution: Evolution,
+    evaluation: impl Fn(Stage) -> Evaluation,
+) -> (Evolution, usize) {
+    let mut generations = 0;
+    while evolution.report().is_none() && evolution.hopeless().is_none() {
+        let evaluations = vec![evaluation(evolution.stage()); evolution.jobs().len()];
+        generations += usize::from(evolution.tell(&evaluations).unwrap().is_some());
+        let text = serde_json::to_string(&evolution).unwrap();
+        evolution = serde_json::from_str(&text).unwrap();
+    }
+    (evolution, generations)
+}
+
+/// The bug to fear: a prior that was drawn at random, offered as what an evolution has found.
+#[test]
+fn where_nobody_arrives_there_is_no_report_but_a_reason() {
+    for optimizer in [Optimizer::Genetic, Optimizer::CmaEs, Optimizer::EmpiricalBayes] {
+        for (generations, enough) in [(2, 2), (9, HOPELESS_GENERATIONS)] {
+            let settings = EvolutionSettings { generations, ..small(optimizer) };
+            let evolution = Evolution::new(settings).unwrap();
+            let (evolution, driven) = made_up(evolution, |_| Evaluation::default());
+            assert_eq!(driven, enough, "{optimizer:?}");
+            assert_eq!((evolution.report(), evolution.jobs()), (None, Vec::new()));
+            let reason = evolution.hopeless().unwrap().to_string();
+            assert!(reason.starts_with("nobody arrives in normal, bad-link: "), "{reason}");
+            assert!(reason.contains(&format!("none of {} episodes", evolution.episodes())));
+        }
+    }
+}
+
+/// One arrival is hope; a champion that never keeps the limits is none.
+#[test]
+fn a_champion_without_fitness_is_no_champion() {
+    let arrives = Evaluation { arrived: true, time: 10.0, deviation: 0.01, ..Default::default() };
+    let evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    let (done, generations) = made_up(evolution.clone(), |_| arrives);
+    assert!(done.report().is_some() && done.hopeless().is_none() && generations == 3);
+    let too_late = Evaluation { time: 1e3, deviation: 1.0, ..arrives };
+    for (last, arrived) in [(too_late, 1.0), (Evaluation::default(), 0.0)] {
+        let of_stage = |stage| if stage == Stage::Report { last } else { arrives };
+        let (failed, generations) = made_up(evolution.clone(), of_stage);
+        assert_eq!((failed.report(), generations), (None, 3));
+        let environments = "normal, bad-link".to_owned();
+        let reason = Hopeless::ChampionFails { environments, trials: 8, arrived };
+        assert_eq!(failed.hopeless(), Some(&reason));
+    }
+}
+
+/// A state of the program before this one does not say who arrived: it is not given up for that.
+#[test]
+fn a_state_that_does_not_count_arrivals_is_not_given_up() {
+    let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
+    let mut old = serde_json::to_value(&evolution).unwrap();
+    let fields = old.as_object_mut().unwrap();
+    assert!(fields.remove("arrivals").is_some() && fields.remove("hopeless").is_some());
+    evolution = serde_json::from_value(old).unwrap();
+    while evolution.stage() != Stage::Selection {
+        let evaluations = vec![Evaluation::default(); evolution.jobs().len()];
+        evolution.tell(&evaluations).unwrap();
+        assert_eq!(evolution.hopeless(), None);
+    }
+}

@@ -44,12 +44,32 @@ impl Claim {
     pub fn in_words(&self) -> String {
         let deviation = Promise { of: "deviation", less: "smaller", more: "larger" };
         let time = Promise { of: "time", less: "shorter", more: "longer" };
+        if let Some(nobody) = self.without_arrival() {
+            return nobody;
+        }
         format!(
             "{}; {}{}",
             deviation.kept(self.deviation_reduction.mean, self.promised_deviation),
             time.kept(self.time_reduction.mean, self.promised_time),
             self.arrivals()
         )
+    }
+
+    /// The verdict where one of the two never arrived: its time is the limit, and its deviation that of standing still.
+    fn without_arrival(&self) -> Option<String> {
+        let both = [(&self.contender, self.arrived), (&self.against, self.against_arrived)];
+        let never: Vec<_> = both
+            .iter()
+            .filter(|(_, arrived)| *arrived <= 0.0)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        (!never.is_empty()).then(|| {
+            format!(
+                "{} arrived in no trial, so neither deviation nor time says anything; use an environment that can be \
+                 driven",
+                never.join(" and ")
+            )
+        })
     }
 
     /// Who did not always arrive: such a trial takes the time limit, and who does not get far does not stray far.
@@ -219,5 +239,9 @@ mod tests {
                     with the time limit and as far as they got";
         assert!(of(0.125, 1.0).ends_with(told), "{}", of(0.125, 1.0));
         assert!(of(1.0, 0.9999).contains("statistic/20 in more than 99.9 %"));
+        let nothing =
+            "statistic/20 arrived in no trial, so neither deviation nor time says anything";
+        assert!(of(1.0, 0.0).starts_with(nothing), "{}", of(1.0, 0.0));
+        assert!(of(0.0, 0.0).starts_with("bayesian/20 and statistic/20 arrived in no trial"));
     }
 }

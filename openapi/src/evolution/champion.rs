@@ -54,6 +54,9 @@ pub struct Champion {
     pub trials: u64,
     /// The champion first, then what it has to beat.
     pub entries: Vec<Entry>,
+    /// What one should know before one uses it, in plain words: environments in which nobody arrives.
+    #[serde(default)]
+    pub notes: Vec<String>,
 }
 
 /// What a difference says in plain words: the champion's fitness minus that of `name`.
@@ -79,6 +82,24 @@ impl Entry {
         let both = champion.environments.iter().zip(&self.environments);
         both.filter(|(of_champion, this)| of_champion.fitness.high < this.fitness.low)
     }
+}
+
+/// What is to be said of environments in which none of `entries` arrived in any of `trials` trials.
+pub(super) fn notes(entries: &[Entry], trials: u64) -> Vec<String> {
+    let environments = entries.first().map_or(&[][..], |champion| &champion.environments);
+    let nobody_arrives = |index: usize| {
+        let results = entries.iter().filter_map(|entry| entry.environments.get(index));
+        results.into_iter().all(|result| result.arrived <= 0.0)
+    };
+    let hopeless = environments.iter().enumerate().filter(|(index, _)| nobody_arrives(*index));
+    hopeless
+        .map(|(_, EnvironmentResult { environment, .. })| {
+            format!(
+                "in {environment} nobody arrives in any of {trials} trials, so it took no part in the choice; leave it \
+                 out, or make it easier: a shorter round trip, fewer late packets and outages, less slip"
+            )
+        })
+        .collect()
 }
 
 /// Adds to each verdict what the champion, the first entry, pays in single environments.
@@ -127,6 +148,32 @@ mod tests {
         let verdicts: Vec<_> = entries.iter().map(|entry| entry.verdict.as_str()).collect();
         let priced = "better; in normal it is worse, 0.300 against 1.000";
         assert_eq!(verdicts, ["better", priced, "better"], "0.3 and 0.45 are not apart");
+    }
+
+    #[test]
+    fn environments_in_which_nobody_arrives_are_named() {
+        let estimate = Estimate { mean: 0.0, low: 0.0, high: 0.0 };
+        let entry = |arrived: [f64; 2]| Entry {
+            name: "champion".to_owned(),
+            prior: robot::Prior::default(),
+            fitness: estimate,
+            difference: None,
+            environments: [("normal", arrived[0]), ("dead", arrived[1])]
+                .map(|(environment, arrived)| EnvironmentResult {
+                    environment: environment.to_owned(),
+                    fitness: estimate,
+                    time_s: 0.0,
+                    deviation_m: 0.0,
+                    arrived,
+                })
+                .into(),
+            verdict: String::new(),
+        };
+        let of = |entries: &[Entry]| notes(entries, 7);
+        assert_eq!(of(&[entry([1.0, 0.0]), entry([0.0, 0.1])]), Vec::<String>::new());
+        let told = of(&[entry([1.0, 0.0]), entry([0.0, 0.0])]);
+        assert_eq!(told.len(), 1);
+        assert!(told[0].starts_with("in dead nobody arrives in any of 7 trials"), "{told:?}");
     }
 
     #[test]

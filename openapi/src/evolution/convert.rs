@@ -278,14 +278,10 @@ impl From<&evolution::Entry> for Entry {
 
 impl From<&evolution::Report> for Champion {
     fn from(core: &evolution::Report) -> Self {
-        Self {
-            prior: core.champion.into(),
-            trials: core.trials as u64,
-            entries: {
-                let mut entries: Vec<Entry> = core.entries.iter().map(Entry::from).collect();
-                champion::add_prices(&mut entries);
-                entries
-            },
-        }
+        let mut entries: Vec<Entry> = core.entries.iter().map(Entry::from).collect();
+        champion::add_prices(&mut entries);
+        let trials = core.trials as u64;
+        let notes = champion::notes(&entries, trials);
+        Self { prior: core.champion.into(), trials, entries, notes }
     }
 }

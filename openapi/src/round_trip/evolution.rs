@@ -213,7 +213,7 @@ fn what_only_the_whole_can_say_is_said() {
 #[test]
 fn what_comes_of_an_evolution_is_told_unchanged() {
     let body = json!({"preset": "quick", "population": 2, "generations": 2, "trials": 1, "selection_trials": 1,
-                      "report_trials": 2, "environments": ["normal"], "max_time_s": 1});
+                      "report_trials": 2, "environments": ["normal"]});
     let (_, settings) = read(&body).unwrap();
     let mut core = core::Evolution::new(settings).unwrap();
     let queued = evolution::Progress::queued(&core);

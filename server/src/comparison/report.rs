@@ -122,11 +122,18 @@ fn table(text: &mut String, environment: &EnvironmentReport) -> fmt::Result {
 fn row(text: &mut String, entry: &Entry) -> fmt::Result {
     let Entry { contender, arrived, time_s, deviation_m, recognition, coverage, difference } =
         entry;
+    // What nobody reached is no result.
+    let arrives = arrived.mean > 0.0;
     let numbers = |it: &Quantities, unit: f64, decimals: usize| {
+        if !arrives {
+            return "- | - | -".to_owned();
+        }
         [it.median, it.mean, it.p90].map(|it| format!("{:.decimals$}", unit * it.mean)).join(" | ")
     };
     let minus = |of: Option<Estimate>, unit: f64, decimals: usize| {
-        let Some(Estimate { mean, low, high }) = of else { return "-".to_owned() };
+        let Some(Estimate { mean, low, high }) = of.filter(|_| arrives) else {
+            return "-".to_owned();
+        };
         let signed = |value: f64| format!("{:+.decimals$}", unit * value);
         format!("{} ({} to {})", signed(mean), signed(low), signed(high))
     };

@@ -48,6 +48,10 @@ impl Work for Evolution {
         self.report()
     }
 
+    fn hopeless(&self) -> Option<String> {
+        self.hopeless().map(ToString::to_string)
+    }
+
     fn batch(&self) -> Vec<Job> {
         self.jobs()
     }

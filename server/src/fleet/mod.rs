@@ -192,7 +192,8 @@ impl Fleet {
         .await
     }
 
-    /// Sets a robot's task.
+    /// Sets a robot's task. The very task that it has already goes on as it is: a PUT that is sent twice, by whoever did
+    /// not get the answer, does not send a robot back to its first waypoint.
     pub(crate) async fn put_task(
         &self,
         robot: Arc<Robot>,
@@ -234,6 +235,9 @@ impl Fleet {
         self.accepts_changes()?;
         let (_writing, snapshot) = robot.change().await?;
         condition.check(snapshot.task_etag())?;
+        if robot.is_alive() && task.as_ref().is_some_and(|task| snapshot.has_task(task)) {
+            return Ok(true);
+        }
         let revision = self.next_revision();
         let saved = snapshot.saved_after(|controller| match task.clone() {
             Some(task) => controller.set_task(task),

@@ -114,6 +114,9 @@ impl<W: Work> Turn<W> {
                 Kept::Over => return None,
                 Kept::Refused(error) => return Some(Ending::Failed(error)),
             }
+            if let Some(reason) = checkpoint.work.hopeless() {
+                return Some(Ending::Failed(reason));
+            }
             let (stepped, told) = self.step(checkpoint, before, begin).await?;
             checkpoint = stepped;
             let changes = match told {
@@ -319,6 +322,20 @@ mod tests {
         let (state, error) = ended(&*submit(&jobs, panics).await).await;
         assert_eq!(state, State::Failed);
         assert_eq!(error.unwrap(), "an evaluation failed: no floor under the robot");
+        assert_eq!(ended(&*submit(&jobs, Wishes::default()).await).await, (State::Succeeded, None));
+    }
+
+    /// The bug to fear: work that asks for nothing more and has no report keeps its turn for ever.
+    #[tokio::test]
+    async fn a_job_without_hope_fails_with_its_reason_and_keeps_what_it_has_left() {
+        let store = Arc::default();
+        let jobs = open(&store).await;
+        let hopeless = Wishes { batches: 2, hopeless: true, ..Wishes::default() };
+        let job = submit(&jobs, hopeless).await;
+        let reason = "nobody counts that far".to_owned();
+        assert_eq!(ended(&job).await, (State::Failed, Some(reason)));
+        assert_eq!(store.parts(job.id(), 0, 9).unwrap().len(), 2);
+        assert_eq!(job.shown().record.reached.stage, Some(2));
         assert_eq!(ended(&*submit(&jobs, Wishes::default()).await).await, (State::Succeeded, None));
     }
 

@@ -235,7 +235,7 @@ mod tests {
         while meter.episodes() == 0 {
             thread::yield_now();
         }
-        let mut short = toy(Wishes { batches: 20, episodes: 400, micros: 10, panics: false });
+        let mut short = toy(Wishes { batches: 20, episodes: 400, micros: 10, ..Wishes::default() });
         while short.report().is_none() {
             pool.step(&mut short, &Meter::default()).unwrap();
         }

@@ -17,7 +17,8 @@ impl<T: Clone + Debug + PartialEq + Serialize + DeserializeOwned + Send + Sync +
 {
 }
 
-/// A state machine that asks for batches of simulated episodes until there is a report. Between two batches its whole
+/// A state machine that asks for batches of simulated episodes until there is a report, or a reason
+/// why there will be none. Between two batches its whole
 /// state can be written down and taken up again: what comes of it is the same, bit for bit, whoever drives the episodes.
 pub(crate) trait Work: Plain {
     /// Its kind.
@@ -60,6 +61,11 @@ pub(crate) trait Work: Plain {
 
     /// What came of it, once it is done.
     fn report(&self) -> Option<&Self::Report>;
+
+    /// Why it ends without a report, where it does: for people, with a remedy.
+    fn hopeless(&self) -> Option<String> {
+        None
+    }
 
     /// What is to be driven now.
     fn batch(&self) -> Vec<Self::Episode>;

@@ -42,6 +42,9 @@ pub enum Error {
     /// It broke off.
     #[error("it broke off: {0}")]
     BrokenOff(String),
+    /// It gives no result, and why.
+    #[error("it has failed: {0}")]
+    Hopeless(String),
     /// Its result could not be written.
     #[error("{what}: {error}")]
     Unwritten {
@@ -80,6 +83,9 @@ fn run<W: Work, R>(
     progress.follow(&meter, || -> Result<(), Error> {
         let mut latest = None;
         while work.report().is_none() {
+            if let Some(reason) = work.hopeless() {
+                return Err(Error::Hopeless(reason));
+            }
             let told = pool.step(&mut work, &meter);
             let told = told.map_err(|halt| Error::BrokenOff(halt.to_string()))?;
             parts.extend(told.parts.into_iter().map(|(_, part)| part));

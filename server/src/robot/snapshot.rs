@@ -116,6 +116,11 @@ impl Snapshot {
         self.assigned.as_ref().map(|assigned| &*assigned.etag)
     }
 
+    /// Whether this very task is the robot's already.
+    pub(crate) fn has_task(&self, task: &Task) -> bool {
+        self.assigned.as_ref().is_some_and(|assigned| *assigned.task == *task)
+    }
+
     /// Whether the robot is heard from.
     pub(crate) fn state(&self) -> State {
         self.state

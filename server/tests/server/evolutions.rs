@@ -419,3 +419,38 @@ async fn the_oldest_that_have_ended_are_forgotten() {
     }
     assert_eq!((restarted.get(&third).await.code, restarted.get(&fourth).await.code), (200, 404));
 }
+
+/// The bug to fear: an evolution in which nobody ever arrives "succeeds", and what it drew at random is offered for use.
+#[tokio::test]
+async fn where_nobody_arrives_an_evolution_fails_and_says_why() {
+    let api = serve(Arc::new(MemoryStore::default())).await;
+    let dead = json!({"slip": "none", "link": {"rtt": {"kind": "constant", "rtt_s": 60}}});
+    assert_eq!(api.put("/v1/environments/dead", dead).await.code, 201);
+    let mut body = small();
+    body["environments"] = json!(["dead"]);
+    let path = api.begin(&body).await;
+    let events = Follower::open(&api, &path, None).await.rest().await;
+    assert_eq!(ids(&events), [1, 2, 3], "its generations are kept");
+    let last = events.last().unwrap();
+    let error = last["error"].as_str().unwrap();
+    assert_eq!(last["state"], "failed");
+    assert!(error.starts_with("nobody arrives in dead: "), "{error}");
+    assert!(error.contains("use environments that can be driven"), "{error}");
+    let shown = api.get(&path).await.json();
+    assert_eq!(
+        (&shown["error"], &shown["prior"], &shown["champion"]),
+        (&json!(error), &Value::Null, &Value::Null)
+    );
+    assert_eq!(api.get("/v1/priors/evolution-1").await.code, 404);
+    assert_eq!(shown["progress"]["generation"], 3);
+
+    // Beside one that can be driven it is only told.
+    body["environments"] = json!(["normal", "dead"]);
+    let path = api.begin(&body).await;
+    Follower::open(&api, &path, None).await.rest().await;
+    let shown = api.get(&path).await.json();
+    assert_eq!(shown["state"], "succeeded", "{shown}");
+    let notes = shown["champion"]["notes"].as_array().unwrap();
+    assert_eq!(notes.len(), 1);
+    assert!(notes[0].as_str().unwrap().starts_with("in dead nobody arrives"), "{notes:?}");
+}

@@ -5,6 +5,8 @@ use crate::process::program;
 use serde_json::Value;
 use std::path::Path;
 use tempfile::tempdir;
+use umwelt_api::evolution::{Preset, Request};
+use umwelt_server::offline::Order;
 
 const SMALL: [&str; 13] = [
     "evolve",
@@ -30,6 +32,29 @@ fn evolve(more: &[&str]) -> (Option<i32>, String, String) {
 
 fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).unwrap()
+}
+
+/// The bug to fear: a prior that was drawn at random, in a folder as if it had been found.
+#[test]
+fn an_evolution_without_fitness_fails_with_the_reason() {
+    let directory = tempdir().unwrap();
+    // Nobody is there so soon.
+    let request = Request {
+        preset: Some(Preset::Quick),
+        environments: Some(vec!["bad-link".to_owned()]),
+        population: Some(4),
+        generations: Some(2),
+        trials: Some(1),
+        max_time_s: Some(1.0),
+        ..Request::default()
+    };
+    let folder = Some(directory.path().to_owned());
+    let mut output = Vec::new();
+    let order = Order { request, folder, json: true, threads: Some(2) };
+    let error = umwelt_server::offline::evolve(&order, &mut output).unwrap_err().to_string();
+    assert!(error.starts_with("it has failed: the champion is of no use in bad-link: "), "{error}");
+    assert_eq!(output, b"");
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0, "nothing is written");
 }
 
 /// The bugs to fear: a folder that lacks what the report speaks of, a prior that no server takes.

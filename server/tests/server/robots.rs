@@ -1,6 +1,6 @@
 //! Describing, listing and removing robots and their tasks; deadlines; what the server says of itself.
 
-use crate::api::{Api, config};
+use crate::api::{Api, JSON, config, step};
 use crate::stores::Gate;
 use axum::body::Body;
 use serde_json::{Value, json};
@@ -55,6 +55,54 @@ async fn a_task_is_set_replaced_shown_and_cancelled() {
     assert_eq!(api.delete("/v1/robots/r/task").await.code, 204);
     assert_eq!(api.get("/v1/robots/r/task").await.code, 404);
     assert_eq!(api.get("/v1/robots/r").await.json()["task"], Value::Null);
+}
+
+/// The bug to fear: a PUT that is sent again, because its answer was lost, sends the robot back to its first waypoint.
+#[tokio::test(start_paused = true)]
+async fn the_very_task_that_is_under_way_goes_on() {
+    let api = Api::with_robot().await;
+    let task = "/v1/robots/r/task";
+    let spec = json!({"waypoints": [{"x_m": 0.2, "y_m": 0.0}]});
+    let mut now = 10.0;
+    let mut drive = async |x: f64| {
+        for _ in 0..10 {
+            now += 0.1;
+            api.step(step(7, (10.0 * now) as u64, now, x)).await;
+        }
+        api.state().await
+    };
+    let under_way = drive(0.05).await;
+    assert!(under_way[1]["progress"]["elapsed_s"].as_f64() > Some(0.5), "{under_way:?}");
+    // The same said in full, with a zero of another sign, is the same.
+    let in_full =
+        json!({"waypoints": [{"x_m": 0.2, "y_m": -0.0}], "reverse": false, "calibration": null});
+    for spec in [spec.clone(), in_full] {
+        let again = api.put(task, spec).await;
+        assert_eq!((again.code, again.json()), (200, under_way[1].clone()));
+        assert_eq!(again.headers["etag"], format!("{}", under_way[1]["etag"]));
+        assert_eq!(api.state().await, under_way);
+    }
+    let etag = under_way[1]["etag"].as_str().unwrap();
+    for (header, code) in [("if-match", 200), ("if-none-match", 409)] {
+        let value = if code == 200 { etag } else { "*" };
+        let again = api.call("PUT", task, &[JSON, (header, value)], spec.to_string()).await;
+        assert_eq!(again.code, code, "{header}");
+    }
+    let stale = api.call("PUT", task, &[JSON, ("if-match", "0")], spec.to_string()).await;
+    assert_eq!(stale.problem().1, "ETAG_MISMATCH");
+    assert_eq!(api.state().await, under_way);
+
+    let arrived = drive(0.2).await;
+    assert_eq!(arrived[1]["progress"]["stage"], "arrived");
+    assert_eq!(api.put(task, spec.clone()).await.json(), arrived[1], "it is done, and stays done");
+    // Who wants to see it driven again says so.
+    assert_eq!(api.delete(task).await.code, 204);
+    assert_eq!(api.put(task, spec).await.code, 201);
+    assert_eq!(drive(0.0).await[1]["progress"]["leg"], 0);
+
+    let other = json!({"waypoints": [{"x_m": 0.2, "y_m": 0.0}], "reverse": true});
+    let replaced = api.put(task, other).await;
+    assert_eq!((replaced.code, &replaced.json()["progress"]["elapsed_s"]), (200, &json!(0.0)));
 }
 
 #[tokio::test(start_paused = true)]

@@ -1,6 +1,6 @@
 //! What came of a comparison, in tables and in the words of the verdicts.
 
-use super::super::quantity::{UNKNOWN, or_unknown};
+use super::super::quantity::{UNKNOWN, of_arrivals, or_unknown};
 use super::super::table::{Column, Table};
 use std::fmt::Write;
 use umwelt_api::comparison::{Entry, EnvironmentReport, Recognition, Report};
@@ -10,6 +10,7 @@ Every method drove the same trials; a table for each environment.
   METHOD      its name and how many slots of 30 ms a reply has
   ARRIVED     share of the trials in which the robot arrived within the time limit
   TIME        from the end of the calibration to the arrival, in half and in 90 % of the trials; the limit if it did not
+              - where it never arrived
   DEVIATION   the largest of the true position, in half and in 90 % of the trials
   COVERED     share of the samples within the 90 % interval that was predicted for each: 90 % is right
   RECOGNISED  samples after which it believed for good to be where it was, in half of the trials; never: in fewer
@@ -44,13 +45,14 @@ fn entries(environment: &EnvironmentReport) -> String {
         let Entry { contender, arrived, time_s, deviation_m, recognition, coverage, .. } = entry;
         let percent = |share: f64| format!("{:.1} %", 1e2 * share);
         let millimetres = |metres: f64| format!("{:.1} mm", 1e3 * metres);
+        let known = |text| of_arrivals(arrived.mean, text);
         table.row([
             contender.clone(),
             percent(arrived.mean),
-            format!("{:.1} s", time_s.median.mean),
-            format!("{:.1} s", time_s.p90.mean),
-            millimetres(deviation_m.median.mean),
-            millimetres(deviation_m.p90.mean),
+            known(format!("{:.1} s", time_s.median.mean)),
+            known(format!("{:.1} s", time_s.p90.mean)),
+            known(millimetres(deviation_m.median.mean)),
+            known(millimetres(deviation_m.p90.mean)),
             or_unknown(*coverage, |it| percent(it.mean)),
             recognised(*recognition),
         ]);

@@ -1,6 +1,6 @@
 //! What an evolution found, in tables.
 
-use super::super::quantity::{UNKNOWN, millimetres, percent};
+use super::super::quantity::{UNKNOWN, millimetres, of_arrivals, percent};
 use super::super::table::{Column, Table};
 use umwelt_api::evolution::{Champion, Entry, Estimate};
 use umwelt_api::robot::ChannelPrior;
@@ -11,14 +11,16 @@ weak default prior and a flat one.
   FITNESS               1 is that of a fixed model; weighted mean over the environments
   WITHIN                where the mean is with 95 % probability
   CHAMPION MINUS THIS   paired by seed; where its interval includes zero, no difference is shown
+  TIME, DEVIATION       - where no robot arrived
 
 Example:
   umwelt evolution show evolution-12";
 
 /// The whole report.
 pub(super) fn text(champion: &Champion) -> String {
+    let notes: String = champion.notes.iter().map(|note| format!("note: {note}\n")).collect();
     format!(
-        "on {} fresh trials in each environment, intervals hold with 95 %:\n{}\n{}\nthe champion's prior:\n{}",
+        "on {} fresh trials in each environment, intervals hold with 95 %:\n{}\n{}{notes}\nthe champion's prior:\n{}",
         champion.trials,
         entries(champion),
         environments(champion),
@@ -91,8 +93,8 @@ fn environments(champion: &Champion) -> String {
                 prior.to_owned(),
                 format!("{:.3}", result.fitness.mean),
                 within(result.fitness),
-                format!("{:.1} s", result.time_s),
-                millimetres(result.deviation_m),
+                of_arrivals(result.arrived, format!("{:.1} s", result.time_s)),
+                of_arrivals(result.arrived, millimetres(result.deviation_m)),
                 percent(result.arrived),
             ]);
         }

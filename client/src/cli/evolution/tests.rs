@@ -37,6 +37,7 @@ fn champion() -> Champion {
     Champion {
         prior: Prior::default(),
         trials: 400,
+        notes: Vec::new(),
         entries: vec![
             entry("champion", 1.32, None),
             entry("first-generation", 1.3, Some(estimate(0.02, 0.05))),
@@ -64,6 +65,21 @@ normal       champion            1.320  1.300 .. 1.340  21.2 s    12.3 mm   99.5
              first-generation";
     assert!(text.contains(environments), "{text}");
     assert!(text.contains("\nforward  0.0000  1.000  4.000  4.500e-2  0.1500\n"), "{text}");
+}
+
+/// The bug to fear: 0.0 s and 0.0 mm of robots that stood still.
+#[test]
+fn where_nobody_arrived_there_is_neither_time_nor_deviation() {
+    let mut champion = champion();
+    for entry in &mut champion.entries {
+        let result = &mut entry.environments[1];
+        (result.arrived, result.time_s, result.deviation_m) = (0.0, 0.0, 0.0);
+    }
+    champion.notes = vec!["in bad-link nobody arrives".to_owned()];
+    let text = report::text(&champion);
+    assert_eq!(text.matches("-          -  0.000 %\n").count(), 4, "{text}");
+    assert!(!text.contains("0.0 s ") && !text.contains(" 0.0 mm"), "{text}");
+    assert!(text.contains("\nnote: in bad-link nobody arrives\n"), "{text}");
 }
 
 #[test]
@@ -151,12 +167,18 @@ evolution-12  queued         0/12      -     -    0.0 s  genetic       1  -
         mean_time_s: 31.57,
         arrived: 0.75,
     };
+    let dead = GenerationEnvironment {
+        arrived: 0.0,
+        best_deviation_m: 0.0,
+        best_time_s: 0.0,
+        ..environment("dead")
+    };
     let generation = Generation {
         index: 3,
         best_fitness: 1.5,
         mean_fitness: 1.25,
         prior: Prior::default(),
-        environments: vec![environment("normal"), environment("bad-link")],
+        environments: vec![environment("normal"), environment("bad-link"), dead],
     };
     let page = GenerationsPage { generations: vec![generation], next_page_token: None };
     assert_eq!(
@@ -165,6 +187,7 @@ evolution-12  queued         0/12      -     -    0.0 s  genetic       1  -
 GENERATION   BEST   MEAN  ENVIRONMENT  BEST DEVIATION  MEAN DEVIATION  BEST TIME  MEAN TIME  ARRIVED
          3  1.500  1.250  normal              10.0 mm         23.4 mm     20.0 s     31.6 s   75.0 %
                           bad-link            10.0 mm         23.4 mm     20.0 s     31.6 s   75.0 %
+                          dead                      -               -          -          -  0.000 %
 "
     );
     assert_eq!(list(&Page::default()) + &generations_table(&GenerationsPage::default()), "");

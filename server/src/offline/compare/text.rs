@@ -32,14 +32,16 @@ fn write(outcome: &Outcome, text: &mut String) -> std::fmt::Result {
             "", "arrived %", "time s", "90 %", "deviation mm", "90 %"
         )?;
         for Entry { contender, arrived, time_s, deviation_m, .. } in entries {
+            // What nobody reached is no result.
+            let known = |text: String| if arrived.mean > 0.0 { text } else { "-".to_owned() };
             writeln!(
                 text,
-                "  {contender:<21} {:>9.1} {:>25} {:>8.2} {:>22} {:>7.1}",
+                "  {contender:<21} {:>9.1} {:>25} {:>8} {:>22} {:>7}",
                 1e2 * arrived.mean,
-                interval(time_s.mean, 1.0, 2),
-                time_s.p90.mean,
-                interval(deviation_m.mean, 1e3, 1),
-                1e3 * deviation_m.p90.mean
+                known(interval(time_s.mean, 1.0, 2)),
+                known(format!("{:.2}", time_s.p90.mean)),
+                known(interval(deviation_m.mean, 1e3, 1)),
+                known(format!("{:.1}", 1e3 * deviation_m.p90.mean))
             )?;
         }
     }

@@ -46,15 +46,22 @@ fn write(outcome: &Outcome, text: &mut String) -> std::fmt::Result {
         for EnvironmentResult { environment, fitness, time_s, deviation_m, arrived } in
             &entry.environments
         {
+            let driven = if *arrived > 0.0 {
+                format!("time {time_s:.2} s, deviation {:.1} mm", 1e3 * deviation_m)
+            } else {
+                "time -, deviation -".to_owned()
+            };
             writeln!(
                 text,
-                "    {:<15} fitness {}, time {time_s:.2} s, deviation {:.1} mm, arrived {:.1} %",
+                "    {:<15} fitness {}, {driven}, arrived {:.1} %",
                 environment.as_str(),
                 interval(*fitness),
-                1e3 * deviation_m,
                 100.0 * arrived
             )?;
         }
+    }
+    for note in &champion.notes {
+        writeln!(text, "note: {note}")?;
     }
     writeln!(text, "\nthe champion's fitness minus theirs, on the same seeds")?;
     for entry in outcome.others() {
