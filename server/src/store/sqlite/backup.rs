@@ -2,6 +2,7 @@
 
 use super::open::{self, DATA_FILE, OpenError};
 use super::schema::{self, Unusable};
+use super::{check, damage};
 use crate::store::JobKind;
 use rusqlite::Connection;
 use std::ffi::OsString;
@@ -111,7 +112,15 @@ impl Partial {
         source.execute("VACUUM INTO ?1", [name]).map_err(io::Error::other)?;
         File::open(&self.0)?.sync_all()?;
         let copy = open::read_only(&self.0).map_err(io::Error::other)?;
-        open::check(&copy).map_err(|found| io::Error::other(format!("{found:?}")))?;
+        let unfit = |found| io::Error::other(format!("{found:?}"));
+        open::check(&copy).map_err(unfit)?;
+        if check::has_checksums(&copy).map_err(unfit)? {
+            let damaged = damage::scan(&copy).map_err(io::Error::other)?;
+            if !damaged.is_empty() {
+                let file = source.path().map(Path::new).unwrap_or(&self.0);
+                return Err(io::Error::other(damage::message(file, &damaged)));
+            }
+        }
         let count = |table: &str| {
             let count = format!("SELECT count(*) FROM {table}");
             copy.query_row(&count, [], |row| row.get::<_, i64>(0))

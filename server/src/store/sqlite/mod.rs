@@ -5,14 +5,22 @@
 
 mod apply;
 mod backup;
+mod check;
+mod checksum;
+mod damage;
 mod document;
+mod files;
 mod open;
 mod read;
 mod schema;
+mod tables;
 mod writer;
 
 pub use backup::{Backup, BackupError, backup};
-pub use open::{DATA_FILE, LOCK_FILE, OpenError};
+pub use check::{Checked, check};
+pub use damage::Damage;
+pub use files::LOCK_FILE;
+pub use open::{DATA_FILE, OpenError};
 
 use super::{Change, Contents, JobId, Part, Store, StoreError};
 use open::Opened;
