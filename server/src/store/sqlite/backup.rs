@@ -2,7 +2,7 @@
 
 use super::open::{self, DATA_FILE, OpenError};
 use super::schema::{self, Unusable};
-use super::{check, damage};
+use super::{check, damage, files};
 use crate::store::JobKind;
 use rusqlite::Connection;
 use std::ffi::OsString;
@@ -59,6 +59,7 @@ pub fn backup(directory: &Path, target: &Path) -> Result<Backup, BackupError> {
     if !source.try_exists().unwrap_or(true) {
         return Err(OpenError::Missing { file: source }.into());
     }
+    files::refuse_lost(directory)?;
     let connection = readable(&source).map_err(|found| open::unusable_file(&source, found))?;
     if fs::symlink_metadata(target).is_ok() {
         return Err(BackupError::Exists(target.to_path_buf()));

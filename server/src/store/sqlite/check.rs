@@ -29,6 +29,7 @@ pub fn check(directory: &Path, remove: bool) -> Result<Checked, OpenError> {
     if !file.try_exists().unwrap_or(true) {
         return Err(OpenError::Missing { file });
     }
+    files::refuse_lost(directory)?;
     let _held = if remove { Some(files::lock(directory)?) } else { None };
     let damaged = look(&file, remove).map_err(|found| open::unusable_file(&file, found))?;
     Ok(Checked { removed: remove && !damaged.is_empty(), file, damaged })

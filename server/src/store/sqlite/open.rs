@@ -14,7 +14,7 @@ pub const DATA_FILE: &str = "umwelt.sqlite";
 
 /// How long to wait where another program holds the data file, as an `sqlite3` shell may: longer than any of its
 /// statements should take, shorter than a client waits.
-const BUSY: Duration = Duration::from_secs(2);
+pub(super) const BUSY: Duration = Duration::from_secs(2);
 
 /// Size in bytes to which the write-ahead log shrinks again after a burst.
 const LOG_SIZE: i64 = 16 << 20;
@@ -47,6 +47,19 @@ pub enum OpenError {
     Missing {
         /// Which one.
         file: PathBuf,
+    },
+    /// There was a store, and it is not there any more.
+    #[error(
+        "{} {what}, but there was a store in it, as {} tells; put it back, or put a backup in its place; to begin anew \
+         without what it held, remove every file there whose name begins with umwelt.", .file.display(), .tells.display()
+    )]
+    Lost {
+        /// Which one.
+        file: PathBuf,
+        /// What there is of it.
+        what: &'static str,
+        /// What tells of it.
+        tells: PathBuf,
     },
     /// The file is of another program.
     #[error("{} is no data file of umwelt-server; name another directory with --data", .file.display())]
@@ -95,7 +108,7 @@ pub enum OpenError {
 pub(super) struct Opened {
     pub(super) file: PathBuf,
     /// Locked as long as it is open.
-    _lock: File,
+    lock: File,
 }
 
 /// Opens the data directory and its file, with tables as of `migrations`, for the one who writes.
@@ -106,8 +119,10 @@ pub(super) fn open(
     let refused = |error| OpenError::Directory { directory: directory.to_path_buf(), error };
     fs::create_dir_all(directory).map_err(refused)?;
     let lock = files::lock(directory)?;
-    let opened = Opened { file: directory.join(DATA_FILE), _lock: lock };
+    files::refuse_lost(directory)?;
+    let opened = Opened { file: directory.join(DATA_FILE), lock };
     let connection = opened.writer(migrations)?;
+    files::mark(&opened.lock).map_err(refused)?;
     // The entries of new files are on the disk with this.
     File::open(directory).and_then(|directory| directory.sync_all()).map_err(refused)?;
     Ok((opened, connection))
