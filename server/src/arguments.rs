@@ -58,6 +58,25 @@ enum Command {
     /// `umwelt-server --data` with that. What a server takes in while the backup runs is not in it.
     #[command(verbatim_doc_comment)]
     Backup(Backup),
+    /// Look for damage in a data directory, row by row.
+    ///
+    /// Each damaged row is named on standard output; a server may be using the data meanwhile. With --remove-damaged
+    /// these rows are given up (a robot with its task and what it learned, an evolution or a comparison as a whole);
+    /// no server may be using the data then. A backup brings them back, this does not.
+    /// Exit status: 0 where nothing is damaged or all of it is removed, 1 otherwise, 2 if the call was wrong.
+    #[command(verbatim_doc_comment)]
+    Check(Check),
+}
+
+/// What to look through.
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// Data directory to look through.
+    #[arg(long, env = "UMWELT_DATA", value_name = "DIR", default_value = DATA)]
+    pub(crate) data: PathBuf,
+    /// Remove the damaged rows, and nothing else.
+    #[arg(long)]
+    pub(crate) remove_damaged: bool,
 }
 
 /// What to back up, and where to.
@@ -82,6 +101,8 @@ pub(crate) enum Task {
     Compare(Box<Order<comparison::Request>>),
     /// Write a backup.
     Backup(Backup),
+    /// Look for damage.
+    Check(Check),
 }
 
 /// How to serve.
@@ -153,6 +174,7 @@ impl Arguments {
             Some(Command::Evolve(evolve)) => Task::Evolve(Box::new(evolve.order())),
             Some(Command::Compare(compare)) => Task::Compare(Box::new(compare.order())),
             Some(Command::Backup(backup)) => Task::Backup(backup),
+            Some(Command::Check(check)) => Task::Check(check),
             Some(Command::Serve(serve)) => Task::Serve(Box::new(serve)),
             None => Task::Serve(Box::new(self.serve)),
         }
@@ -218,7 +240,7 @@ mod tests {
         let all = std::iter::once(&"umwelt-server").chain(arguments);
         match Arguments::try_parse_from(all).ok()?.task() {
             Task::Serve(serve) => Some(serve.config()),
-            Task::Evolve(_) | Task::Compare(_) | Task::Backup(_) => None,
+            Task::Evolve(_) | Task::Compare(_) | Task::Backup(_) | Task::Check(_) => None,
         }
     }
 

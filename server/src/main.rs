@@ -2,7 +2,7 @@
 
 mod arguments;
 
-use arguments::{Arguments, Backup, Serve, Task};
+use arguments::{Arguments, Backup, Check, Serve, Task};
 use clap::Parser;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -24,6 +24,7 @@ fn main() -> ExitCode {
         Task::Evolve(order) => said(offline::evolve(&order, &mut std::io::stdout().lock())),
         Task::Compare(order) => said(offline::compare(&order, &mut std::io::stdout().lock())),
         Task::Backup(backup) => back_up(&backup),
+        Task::Check(check) => look_for_damage(&check),
     }
 }
 
@@ -52,6 +53,20 @@ fn back_up(Backup { file, data }: &Backup) -> ExitCode {
         Ok(backup) => {
             say(&format!("{}: {backup}", file.display()));
             ExitCode::SUCCESS
+        }
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn look_for_damage(Check { data, remove_damaged }: &Check) -> ExitCode {
+    match store::check(data, *remove_damaged) {
+        Ok(checked) => {
+            say(&checked.to_string());
+            let is_whole = checked.damaged.is_empty() || checked.removed;
+            if is_whole { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
         Err(error) => {
             let _ = writeln!(std::io::stderr(), "error: {error}");

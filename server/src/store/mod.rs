@@ -17,7 +17,10 @@ pub use record::{
     StoredPrior, StoredRobot,
 };
 
-pub use sqlite::{Backup, BackupError, DATA_FILE, LOCK_FILE, OpenError, SqliteStore, backup};
+pub use sqlite::{
+    Backup, BackupError, Checked, DATA_FILE, Damage, LOCK_FILE, OpenError, SqliteStore, backup,
+    check,
+};
 
 use umwelt_api::RobotId;
 

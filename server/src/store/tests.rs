@@ -87,7 +87,7 @@ fn environment(name: &str, body: &str) -> StoredEnvironment {
 }
 
 /// A commit of each kind of change, in an order in which they meet each other.
-fn all_kinds() -> Vec<Vec<Change>> {
+pub(crate) fn all_kinds() -> Vec<Vec<Change>> {
     let part = |job, index, body: &str| Change::PutPart { job, index, body: body.into() };
     let checkpoint = |job, body: &str| Change::PutCheckpoint { job, body: body.into() };
     let [one, ten, nowhere] = [1, 10, 99].map(|number| id_of(JobKind::Evolution, number));

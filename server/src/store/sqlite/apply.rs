@@ -41,15 +41,20 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
                 params![id.as_str(), revision],
             )?;
             run(
-                "INSERT INTO robots (id, revision, body) VALUES (?1, ?2, ?3) \
-                 ON CONFLICT (id) DO UPDATE SET revision = excluded.revision, body = excluded.body",
+                "INSERT INTO robots (id, revision, body, checksum) \
+                 VALUES (?1, ?2, ?3, row_checksum('robots', ?1, ?2, ?3)) \
+                 ON CONFLICT (id) DO UPDATE SET revision = excluded.revision, \
+                 body = excluded.body, checksum = excluded.checksum",
                 params![id.as_str(), revision, document::of_record(record)?],
             )
         }
         Change::DeleteRobot(id) => run("DELETE FROM robots WHERE id = ?1", params![id.as_str()]),
         Change::PutPosterior(id, posterior) => run(
-            "INSERT OR REPLACE INTO posteriors (robot, version, body) \
-             SELECT id, ?3, ?4 FROM robots WHERE id = ?1 AND revision = ?2",
+            "INSERT INTO posteriors (robot, version, body, checksum) \
+             SELECT id, ?3, ?4, row_checksum('posteriors', id, ?3, ?4) \
+             FROM robots WHERE id = ?1 AND revision = ?2 \
+             ON CONFLICT (robot) DO UPDATE SET version = excluded.version, \
+             body = excluded.body, checksum = excluded.checksum",
             params![
                 id.as_str(),
                 integer(posterior.revision)?,
@@ -58,12 +63,16 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
             ],
         ),
         Change::PutPrior(prior) => run(
-            "INSERT OR REPLACE INTO priors (name, body) VALUES (?1, ?2)",
+            "INSERT INTO priors (name, body, checksum) \
+             VALUES (?1, ?2, row_checksum('priors', ?1, ?2)) \
+             ON CONFLICT (name) DO UPDATE SET body = excluded.body, checksum = excluded.checksum",
             params![prior.name, document::of_prior(prior)?],
         ),
         Change::DeletePrior(name) => run("DELETE FROM priors WHERE name = ?1", params![name]),
         Change::PutEnvironment(environment) => run(
-            "INSERT OR REPLACE INTO environments (name, body) VALUES (?1, ?2)",
+            "INSERT INTO environments (name, body, checksum) \
+             VALUES (?1, ?2, row_checksum('environments', ?1, ?2)) \
+             ON CONFLICT (name) DO UPDATE SET body = excluded.body, checksum = excluded.checksum",
             params![environment.name, environment.body],
         ),
         Change::DeleteEnvironment(name) => {
@@ -72,14 +81,17 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
         Change::PutJob(StoredJob { id: JobId { kind, number }, finished, body }) => {
             let number = integer(*number)?;
             run(
-                "INSERT INTO jobs (kind, number, finished, body) VALUES (?1, ?2, ?3, ?4) \
+                "INSERT INTO jobs (kind, number, finished, body, checksum) \
+                 VALUES (?1, ?2, ?3, ?4, row_checksum('jobs', ?1, ?2, ?3, ?4)) \
                  ON CONFLICT (kind, number) DO UPDATE SET finished = excluded.finished, \
-                 body = excluded.body",
+                 body = excluded.body, checksum = excluded.checksum",
                 params![kind.name(), number, finished, body],
             )?;
             run(
-                "INSERT INTO last_numbers (kind, number) VALUES (?1, ?2) \
-                 ON CONFLICT (kind) DO UPDATE SET number = max(number, excluded.number)",
+                "INSERT INTO last_numbers (kind, number, checksum) \
+                 VALUES (?1, ?2, row_checksum('last_numbers', ?1, ?2)) \
+                 ON CONFLICT (kind) DO UPDATE SET number = excluded.number, \
+                 checksum = excluded.checksum WHERE excluded.number > number",
                 params![kind.name(), number],
             )
         }
@@ -88,13 +100,19 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
             params![kind.name(), integer(*number)?],
         ),
         Change::PutPart { job: JobId { kind, number }, index, body } => run(
-            "INSERT OR REPLACE INTO parts (kind, number, position, body) \
-             SELECT kind, number, ?3, ?4 FROM jobs WHERE kind = ?1 AND number = ?2",
+            "INSERT INTO parts (kind, number, position, body, checksum) \
+             SELECT kind, number, ?3, ?4, row_checksum('parts', kind, number, ?3, ?4) \
+             FROM jobs WHERE kind = ?1 AND number = ?2 \
+             ON CONFLICT (kind, number, position) DO UPDATE SET body = excluded.body, \
+             checksum = excluded.checksum",
             params![kind.name(), integer(*number)?, integer(*index as u64)?, body],
         ),
         Change::PutCheckpoint { job: JobId { kind, number }, body } => run(
-            "INSERT OR REPLACE INTO checkpoints (kind, number, body) \
-             SELECT kind, number, ?3 FROM jobs WHERE kind = ?1 AND number = ?2",
+            "INSERT INTO checkpoints (kind, number, body, checksum) \
+             SELECT kind, number, ?3, row_checksum('checkpoints', kind, number, ?3) \
+             FROM jobs WHERE kind = ?1 AND number = ?2 \
+             ON CONFLICT (kind, number) DO UPDATE SET body = excluded.body, \
+             checksum = excluded.checksum",
             params![kind.name(), integer(*number)?, body],
         ),
         Change::DeleteCheckpoint(JobId { kind, number }) => run(

@@ -2,6 +2,7 @@
 
 use super::open::{self, DATA_FILE, OpenError};
 use super::schema::{self, Unusable};
+use super::{check, damage, files};
 use crate::store::JobKind;
 use rusqlite::Connection;
 use std::ffi::OsString;
@@ -58,6 +59,7 @@ pub fn backup(directory: &Path, target: &Path) -> Result<Backup, BackupError> {
     if !source.try_exists().unwrap_or(true) {
         return Err(OpenError::Missing { file: source }.into());
     }
+    files::refuse_lost(directory)?;
     let connection = readable(&source).map_err(|found| open::unusable_file(&source, found))?;
     if fs::symlink_metadata(target).is_ok() {
         return Err(BackupError::Exists(target.to_path_buf()));
@@ -111,7 +113,15 @@ impl Partial {
         source.execute("VACUUM INTO ?1", [name]).map_err(io::Error::other)?;
         File::open(&self.0)?.sync_all()?;
         let copy = open::read_only(&self.0).map_err(io::Error::other)?;
-        open::check(&copy).map_err(|found| io::Error::other(format!("{found:?}")))?;
+        let unfit = |found| io::Error::other(format!("{found:?}"));
+        open::check(&copy).map_err(unfit)?;
+        if check::has_checksums(&copy).map_err(unfit)? {
+            let damaged = damage::scan(&copy).map_err(io::Error::other)?;
+            if !damaged.is_empty() {
+                let file = source.path().map(Path::new).unwrap_or(&self.0);
+                return Err(io::Error::other(damage::message(file, &damaged)));
+            }
+        }
         let count = |table: &str| {
             let count = format!("SELECT count(*) FROM {table}");
             copy.query_row(&count, [], |row| row.get::<_, i64>(0))

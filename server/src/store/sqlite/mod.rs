@@ -5,27 +5,37 @@
 
 mod apply;
 mod backup;
+mod check;
+mod checksum;
+mod damage;
 mod document;
+mod files;
 mod open;
 mod read;
 mod schema;
+mod tables;
 mod writer;
 
 pub use backup::{Backup, BackupError, backup};
-pub use open::{DATA_FILE, LOCK_FILE, OpenError};
+pub use check::{Checked, check};
+pub use damage::Damage;
+pub use files::LOCK_FILE;
+pub use open::{DATA_FILE, OpenError};
 
 use super::{Change, Contents, JobId, Part, Store, StoreError};
 use open::Opened;
 use rusqlite::Connection;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use writer::{Request, Writer};
+use std::time::Duration;
+use writer::{IDLE, Request, Writer};
 
 /// Keeps everything in a file of a data directory, which no other server can use meanwhile.
 #[derive(Debug)]
 pub struct SqliteStore {
-    writer: Writer,
+    // Closed before the writer, which brings the log into the file where it is the last.
     reader: Mutex<Connection>,
+    writer: Writer,
     opened: Opened,
 }
 
@@ -35,20 +45,24 @@ impl SqliteStore {
     /// # Errors
     /// Where it cannot be used; the message says what to do.
     pub fn open(directory: &Path) -> Result<Self, OpenError> {
-        Self::open_with(directory, None)
+        Self::open_with(directory, None, IDLE)
     }
 
-    /// The same with at most so many pages: a disk that is full after them.
-    fn open_with(directory: &Path, max_pages: Option<u32>) -> Result<Self, OpenError> {
+    /// The same with at most so many pages, a disk that is full after them, and another time after which it is idle.
+    fn open_with(
+        directory: &Path,
+        max_pages: Option<u32>,
+        idle: Duration,
+    ) -> Result<Self, OpenError> {
         let (opened, connection) = open::open(directory, schema::MIGRATIONS)?;
         let reader = opened.reader()?;
         if let Some(max_pages) = max_pages {
             let limit = connection.pragma_update(None, "max_page_count", max_pages);
             limit.map_err(|error| opened.unusable(error.into()))?;
         }
-        let writer = Writer::start(connection, opened.file.clone())
+        let writer = Writer::start(connection, opened.file.clone(), idle)
             .map_err(|error| OpenError::Directory { directory: directory.into(), error })?;
-        Ok(Self { writer, reader: Mutex::new(reader), opened })
+        Ok(Self { reader: Mutex::new(reader), writer, opened })
     }
 
     fn reader(&self) -> MutexGuard<'_, Connection> {

@@ -1,9 +1,10 @@
 //! The data directory: made, locked, and its file opened so that what is acknowledged is on the disk.
 
 use super::schema::{self, Unusable};
+use super::{checksum, files};
 use crate::store::StoreError;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -11,12 +12,9 @@ use std::time::Duration;
 /// The data file in the data directory.
 pub const DATA_FILE: &str = "umwelt.sqlite";
 
-/// The file that a running server holds locked. Its content says nothing, and it may stay.
-pub const LOCK_FILE: &str = "umwelt.lock";
-
 /// How long to wait where another program holds the data file, as an `sqlite3` shell may: longer than any of its
 /// statements should take, shorter than a client waits.
-const BUSY: Duration = Duration::from_secs(2);
+pub(super) const BUSY: Duration = Duration::from_secs(2);
 
 /// Size in bytes to which the write-ahead log shrinks again after a burst.
 const LOG_SIZE: i64 = 16 << 20;
@@ -49,6 +47,19 @@ pub enum OpenError {
     Missing {
         /// Which one.
         file: PathBuf,
+    },
+    /// There was a store, and it is not there any more.
+    #[error(
+        "{} {what}, but there was a store in it, as {} tells; put it back, or put a backup in its place; to begin anew \
+         without what it held, remove every file there whose name begins with umwelt.", .file.display(), .tells.display()
+    )]
+    Lost {
+        /// Which one.
+        file: PathBuf,
+        /// What there is of it.
+        what: &'static str,
+        /// What tells of it.
+        tells: PathBuf,
     },
     /// The file is of another program.
     #[error("{} is no data file of umwelt-server; name another directory with --data", .file.display())]
@@ -97,7 +108,7 @@ pub enum OpenError {
 pub(super) struct Opened {
     pub(super) file: PathBuf,
     /// Locked as long as it is open.
-    _lock: File,
+    lock: File,
 }
 
 /// Opens the data directory and its file, with tables as of `migrations`, for the one who writes.
@@ -107,26 +118,14 @@ pub(super) fn open(
 ) -> Result<(Opened, Connection), OpenError> {
     let refused = |error| OpenError::Directory { directory: directory.to_path_buf(), error };
     fs::create_dir_all(directory).map_err(refused)?;
-    let lock = lock(directory)?;
-    let opened = Opened { file: directory.join(DATA_FILE), _lock: lock };
+    let lock = files::lock(directory)?;
+    files::refuse_lost(directory)?;
+    let opened = Opened { file: directory.join(DATA_FILE), lock };
     let connection = opened.writer(migrations)?;
+    files::mark(&opened.lock).map_err(refused)?;
     // The entries of new files are on the disk with this.
     File::open(directory).and_then(|directory| directory.sync_all()).map_err(refused)?;
     Ok((opened, connection))
-}
-
-fn lock(directory: &Path) -> Result<File, OpenError> {
-    let directory = directory.to_path_buf();
-    let file = directory.join(LOCK_FILE);
-    let lock = match File::options().create(true).truncate(false).write(true).open(file) {
-        Ok(lock) => lock,
-        Err(error) => return Err(OpenError::Directory { directory, error }),
-    };
-    match lock.try_lock() {
-        Ok(()) => Ok(lock),
-        Err(TryLockError::WouldBlock) => Err(OpenError::InUse { directory }),
-        Err(TryLockError::Error(error)) => Err(OpenError::Directory { directory, error }),
-    }
 }
 
 impl Opened {
@@ -143,11 +142,7 @@ impl Opened {
     }
 
     fn try_writer(&self, migrations: &[&str]) -> Result<Connection, Unusable> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE
-            | OpenFlags::SQLITE_OPEN_CREATE
-            | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let mut connection = Connection::open_with_flags(&self.file, flags)?;
-        connection.busy_timeout(BUSY)?;
+        let mut connection = writable(&self.file)?;
         // First of all whose it is: a file of another program is not touched.
         if schema::version(&connection, migrations.len())?.is_some() {
             check(&connection)?;
@@ -158,8 +153,8 @@ impl Opened {
         // On a Mac only this reaches the disk.
         connection.pragma_update(None, "fullfsync", true)?;
         connection.pragma_update(None, "checkpoint_fullfsync", true)?;
-        connection.pragma_update(None, "foreign_keys", true)?;
         schema::migrate(&mut connection, migrations)?;
+        schema::check_shape(&connection, migrations)?;
         // A file that cannot be written opens all the same: find out now.
         connection.execute(PROBE, [])?;
         Ok(connection)
@@ -177,19 +172,40 @@ impl Opened {
 }
 
 /// Writes and changes nothing that matters.
-pub(super) const PROBE: &str = "UPDATE numbers SET value = value + 1 WHERE name = 'probe'";
+pub(super) const PROBE: &str = "INSERT INTO numbers (name, value, checksum) \
+     VALUES ('probe', 0, row_checksum('numbers', 'probe', 0)) \
+     ON CONFLICT (name) DO UPDATE SET value = value + 1, \
+     checksum = row_checksum('numbers', name, value + 1)";
 
 /// A connection to `file` that only reads.
 pub(super) fn read_only(file: &Path) -> rusqlite::Result<Connection> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let connection = Connection::open_with_flags(file, flags)?;
-    connection.busy_timeout(BUSY)?;
+    connect(file, flags)
+}
+
+/// A connection to `file` that may write, and makes it where there is none.
+pub(super) fn writable(file: &Path) -> rusqlite::Result<Connection> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE
+        | OpenFlags::SQLITE_OPEN_CREATE
+        | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = connect(file, flags)?;
+    connection.pragma_update(None, "foreign_keys", true)?;
     Ok(connection)
 }
 
-/// Whether every page and every row can be read.
+fn connect(file: &Path, flags: OpenFlags) -> rusqlite::Result<Connection> {
+    let connection = Connection::open_with_flags(file, flags)?;
+    connection.busy_timeout(BUSY)?;
+    // What SQLite notes down for one statement alone is nothing for a disk.
+    connection.pragma_update(None, "temp_store", "memory")?;
+    checksum::install(&connection)?;
+    Ok(connection)
+}
+
+/// Whether every page can be read and has its place, and every row is found by its key. (A quick check does not look at
+/// the latter, and costs about as much: there are few rows, and some are large.)
 pub(super) fn check(connection: &Connection) -> Result<(), Unusable> {
-    let found: String = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
+    let found: String = connection.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0))?;
     if found == "ok" { Ok(()) } else { Err(Unusable::Damaged(found)) }
 }
 

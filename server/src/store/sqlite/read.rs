@@ -1,13 +1,18 @@
-//! What is kept, read back.
+//! What is kept, read back: every row is held against its checksum.
 
-use super::document::{self, Unreadable};
+use super::damage::{self, Damage};
+use super::document;
 use super::open::call_failed;
+use super::tables::{
+    CHECKPOINTS, ENVIRONMENTS, JOBS, LAST_NUMBERS, PARTS, POSTERIORS, PRIORS, ROBOTS, Table,
+};
 use crate::store::{
     Contents, JobId, JobKind, Part, StoreError, StoredEnvironment, StoredJob, StoredPrior,
     StoredRobot,
 };
-use rusqlite::{Connection, OptionalExtension, Row, params};
+use rusqlite::{Connection, Params, Row, params};
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::Path;
 use umwelt_core::controller::{STATE_VERSION, Saved};
 
@@ -16,8 +21,8 @@ use umwelt_core::controller::{STATE_VERSION, Saved};
 pub(super) enum ReadError {
     /// SQLite says no.
     Sqlite(rusqlite::Error),
-    /// A row means nothing.
-    Row { what: String, why: String },
+    /// Rows are not what was written, or mean nothing.
+    Damaged(Vec<Damage>),
 }
 
 impl From<rusqlite::Error> for ReadError {
@@ -27,105 +32,162 @@ impl From<rusqlite::Error> for ReadError {
 }
 
 impl ReadError {
-    fn row(kind: &str, name: &str, why: &Unreadable) -> Self {
-        Self::Row { what: format!("{kind} {name}"), why: why.to_string() }
-    }
-
     pub(super) fn in_file(&self, file: &Path) -> StoreError {
         match self {
             Self::Sqlite(error) => call_failed(file, error),
-            Self::Row { what, why } => {
-                StoreError::Damaged(format!("{what} in {}: {why}", file.display()))
+            Self::Damaged(damaged) => StoreError::Damaged(damage::message(file, damaged)),
+        }
+    }
+}
+
+/// Rows of one table.
+struct Rows<T> {
+    whole: Vec<T>,
+    damaged: Vec<Damage>,
+}
+
+impl<T> Rows<T> {
+    /// Reads rows of `table`: all, or those that `condition` says.
+    fn read(
+        connection: &Connection,
+        table: &Table,
+        condition: &str,
+        values: impl Params,
+        mut read: impl FnMut(&Row<'_>) -> Result<T, Box<dyn Error>>,
+    ) -> rusqlite::Result<Self> {
+        let mut select = connection.prepare_cached(&table.select(condition))?;
+        let mut found = select.query(values)?;
+        let (mut whole, mut damaged) = (Vec::new(), Vec::new());
+        while let Some(row) = found.next()? {
+            // First of all whether it is what was written: what a changed row says does not matter.
+            if let Some(damage) = Damage::changed(table, row) {
+                damaged.push(damage);
+                continue;
+            }
+            match read(row) {
+                Ok(one) => whole.push(one),
+                Err(why) => damaged.push(Damage::of(table, row, why)),
             }
         }
+        Ok(Self { whole, damaged })
+    }
+
+    /// Those that are whole; the others are said to `damaged`.
+    fn or_say(self, damaged: &mut Vec<Damage>) -> Vec<T> {
+        damaged.extend(self.damaged);
+        self.whole
+    }
+
+    /// All of them, or an error.
+    fn all(self) -> Result<Vec<T>, ReadError> {
+        if self.damaged.is_empty() { Ok(self.whole) } else { Err(ReadError::Damaged(self.damaged)) }
     }
 }
 
 /// Everything but parts and checkpoints, as of one moment.
 pub(super) fn contents(connection: &mut Connection) -> Result<Contents, ReadError> {
     let moment = connection.transaction()?;
-    Ok(Contents {
-        robots: robots(&moment)?,
-        priors: priors(&moment)?,
-        environments: rows(&moment, "SELECT name, body FROM environments ORDER BY name", |row| {
-            Ok(StoredEnvironment { name: row.get(0)?, body: row.get(1)? })
-        })?,
-        jobs: jobs(&moment)?,
-        last_numbers: last_numbers(&moment)?,
+    let mut damaged = Vec::new();
+    let jobs = jobs(&moment)?.or_say(&mut damaged);
+    let mut last_numbers: BTreeMap<_, _> =
+        last_numbers(&moment)?.or_say(&mut damaged).into_iter().flatten().collect();
+    for StoredJob { id: JobId { kind, number }, .. } in &jobs {
+        // Where its row was taken out as damaged, no number of a job that is there comes again.
+        let last = last_numbers.entry(*kind).or_default();
+        *last = (*last).max(*number);
+    }
+    let contents = Contents {
+        robots: robots(&moment, &mut damaged)?,
+        priors: priors(&moment)?.or_say(&mut damaged),
+        environments: environments(&moment)?.or_say(&mut damaged),
+        jobs,
+        last_numbers,
+    };
+    if damaged.is_empty() { Ok(contents) } else { Err(ReadError::Damaged(damaged)) }
+}
+
+fn robots(
+    connection: &Connection,
+    damaged: &mut Vec<Damage>,
+) -> rusqlite::Result<Vec<StoredRobot>> {
+    let found = Rows::read(connection, &ROBOTS, "ORDER BY id", [], |row| {
+        let (name, revision): (String, i64) = (row.get(0)?, row.get(1)?);
+        let record = document::record(&row.get::<_, String>(2)?, revision.unsigned_abs())?;
+        Ok(StoredRobot { id: name.parse()?, record, saved: None })
+    })?;
+    let mut robots = found.or_say(damaged);
+    let learned = Rows::read(connection, &POSTERIORS, "", [], |row| {
+        let (robot, version): (String, u32) = (row.get(0)?, row.get(1)?);
+        let saved = saved(&robot, version, &row.get::<_, String>(2)?)?;
+        Ok((robot, saved))
+    })?;
+    let mut saved: BTreeMap<_, _> = learned.whole.into_iter().collect();
+    for robot in &mut robots {
+        robot.saved = saved.remove(robot.id.as_str()).flatten();
+    }
+    for damage in learned.damaged {
+        match robots.iter_mut().find(|robot| robot.id.as_str() == damage.key) {
+            Some(robot) => learn_anew(robot, &damage),
+            // Whose it is cannot be told: that robot would begin its task anew, and nobody would be told.
+            None => damaged.push(damage),
+        }
+    }
+    Ok(robots)
+}
+
+/// What a robot has learned, where it is of this program's version; otherwise the robot learns anew.
+fn saved(robot: &str, version: u32, body: &str) -> Result<Option<Saved>, document::Unreadable> {
+    if version == STATE_VERSION {
+        return document::saved(body).map(Some);
+    }
+    tracing::warn!(
+        robot,
+        version,
+        current = STATE_VERSION,
+        "what it learned is of another version of this program: it learns anew"
+    );
+    Ok(None)
+}
+
+/// A robot whose knowledge is damaged: it can be learned again. With it is lost how far the robot's task had got, which
+/// would begin anew; so the robot rests until somebody resumes it.
+fn learn_anew(robot: &mut StoredRobot, damage: &Damage) {
+    robot.record.stopped = true;
+    let remedy = "it is stopped: resume it, and it learns anew and begins its task anew";
+    tracing::error!(robot = %robot.id, %damage, remedy, "what a robot has learned is damaged");
+}
+
+fn priors(connection: &Connection) -> rusqlite::Result<Rows<StoredPrior>> {
+    Rows::read(connection, &PRIORS, "ORDER BY name", [], |row| {
+        Ok(document::prior(row.get(0)?, &row.get::<_, String>(1)?)?)
     })
 }
 
-fn robots(connection: &Connection) -> Result<Vec<StoredRobot>, ReadError> {
-    let all = "SELECT id, revision, robots.body, version, posteriors.body FROM robots \
-               LEFT JOIN posteriors ON robot = id ORDER BY id";
-    let found = rows(connection, all, |row| {
-        let revision: i64 = row.get(1)?;
-        let learned: Option<(u32, String)> = row.get::<_, Option<u32>>(3)?.zip(row.get(4)?);
-        Ok((row.get::<_, String>(0)?, revision, row.get::<_, String>(2)?, learned))
+fn environments(connection: &Connection) -> rusqlite::Result<Rows<StoredEnvironment>> {
+    Rows::read(connection, &ENVIRONMENTS, "ORDER BY name", [], |row| {
+        Ok(StoredEnvironment { name: row.get(0)?, body: row.get(1)? })
+    })
+}
+
+fn jobs(connection: &Connection) -> rusqlite::Result<Rows<StoredJob>> {
+    let found = Rows::read(connection, &JOBS, "ORDER BY kind, number", [], |row| {
+        let number = row.get::<_, i64>(1)?.unsigned_abs();
+        // One of a kind that this program does not know stays where it is.
+        let Some(kind) = JobKind::named(&row.get::<_, String>(0)?) else { return Ok(None) };
+        let (finished, body) = (row.get(2)?, row.get(3)?);
+        Ok(Some(StoredJob { id: JobId { kind, number }, finished, body }))
     })?;
-    let robot = |(name, revision, body, learned): (String, i64, String, Option<_>)| {
-        let id = name.parse().map_err(|_| ReadError::Row {
-            what: format!("robot {name}"),
-            why: "it is no id".to_owned(),
-        })?;
-        let record = document::record(&body, revision.unsigned_abs())
-            .map_err(|why| ReadError::row("robot", &name, &why))?;
-        Ok(StoredRobot { id, record, saved: learned.and_then(|learned| saved(&name, &learned)) })
-    };
-    found.into_iter().map(robot).collect()
+    let mut whole: Vec<_> = found.whole.into_iter().flatten().collect();
+    // A kind has its place in the order of ids, and so has a number.
+    whole.sort_by_key(|job| job.id);
+    Ok(Rows { whole, damaged: found.damaged })
 }
 
-/// What a robot has learned, where this program can take it up; otherwise the robot learns anew.
-fn saved(robot: &str, (version, body): &(u32, String)) -> Option<Saved> {
-    if *version != STATE_VERSION {
-        tracing::warn!(
-            robot,
-            version,
-            current = STATE_VERSION,
-            "what it learned is of another version of this program: it learns anew"
-        );
-        return None;
-    }
-    match document::saved(body) {
-        Ok(saved) => Some(saved),
-        Err(error) => {
-            tracing::warn!(robot, %error, "what it learned cannot be read: it learns anew");
-            None
-        }
-    }
-}
-
-fn priors(connection: &Connection) -> Result<Vec<StoredPrior>, ReadError> {
-    let found = rows(connection, "SELECT name, body FROM priors ORDER BY name", |row| {
-        Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?))
-    })?;
-    let prior = |(name, body): (String, String)| {
-        document::prior(name.clone(), &body).map_err(|why| ReadError::row("prior", &name, &why))
-    };
-    found.into_iter().map(prior).collect()
-}
-
-fn jobs(connection: &Connection) -> Result<Vec<StoredJob>, ReadError> {
-    let mut jobs = Vec::new();
-    for kind in JobKind::ALL {
-        let mut select = connection
-            .prepare("SELECT number, finished, body FROM jobs WHERE kind = ?1 ORDER BY number")?;
-        let of_kind = select.query_map([kind.name()], |row| {
-            let number = row.get::<_, i64>(0)?.unsigned_abs();
-            Ok(StoredJob { id: JobId { kind, number }, finished: row.get(1)?, body: row.get(2)? })
-        })?;
-        for job in of_kind {
-            jobs.push(job?);
-        }
-    }
-    Ok(jobs)
-}
-
-fn last_numbers(connection: &Connection) -> Result<BTreeMap<JobKind, u64>, ReadError> {
-    let found = rows(connection, "SELECT kind, number FROM last_numbers", |row| {
-        Ok((row.get::<_, String>(0)?, row.get::<_, i64>(1)?.unsigned_abs()))
-    })?;
-    Ok(found.into_iter().filter_map(|(kind, last)| Some((JobKind::named(&kind)?, last))).collect())
+fn last_numbers(connection: &Connection) -> rusqlite::Result<Rows<Option<(JobKind, u64)>>> {
+    Rows::read(connection, &LAST_NUMBERS, "ORDER BY kind", [], |row| {
+        let last = row.get::<_, i64>(1)?.unsigned_abs();
+        Ok(JobKind::named(&row.get::<_, String>(0)?).map(|kind| (kind, last)))
+    })
 }
 
 /// Parts of a job from index `from` on.
@@ -135,16 +197,14 @@ pub(super) fn parts(
     from: usize,
     limit: usize,
 ) -> Result<Vec<Part>, ReadError> {
-    let mut select = connection.prepare_cached(
-        "SELECT position, body FROM parts WHERE kind = ?1 AND number = ?2 AND position >= ?3 \
-         ORDER BY position LIMIT ?4",
-    )?;
+    let those = "WHERE kind = ?1 AND number = ?2 AND position >= ?3 ORDER BY position LIMIT ?4";
     let (from, limit) = (bound(from as u64), bound(limit as u64));
-    let found = select.query_map(params![kind.name(), bound(number), from, limit], |row| {
-        let index: i64 = row.get(0)?;
-        Ok(Part { index: index.unsigned_abs() as usize, body: row.get(1)? })
-    })?;
-    Ok(found.collect::<Result<_, _>>()?)
+    let values = params![kind.name(), bound(number), from, limit];
+    Rows::read(connection, &PARTS, those, values, |row| {
+        let index: i64 = row.get(2)?;
+        Ok(Part { index: index.unsigned_abs() as usize, body: row.get(3)? })
+    })?
+    .all()
 }
 
 /// The checkpoint of a job.
@@ -152,20 +212,13 @@ pub(super) fn checkpoint(
     connection: &Connection,
     JobId { kind, number }: JobId,
 ) -> Result<Option<String>, ReadError> {
-    let select = "SELECT body FROM checkpoints WHERE kind = ?1 AND number = ?2";
-    let found = connection.query_row(select, params![kind.name(), bound(number)], |row| row.get(0));
-    Ok(found.optional()?)
+    let that = "WHERE kind = ?1 AND number = ?2";
+    let values = params![kind.name(), bound(number)];
+    let found = Rows::read(connection, &CHECKPOINTS, that, values, |row| Ok(row.get(2)?))?;
+    Ok(found.all()?.pop())
 }
 
 /// SQLite's integers have a sign; nothing that is kept has a larger number.
 fn bound(number: u64) -> i64 {
     i64::try_from(number).unwrap_or(i64::MAX)
-}
-
-fn rows<T>(
-    connection: &Connection,
-    select: &str,
-    read: impl FnMut(&Row<'_>) -> rusqlite::Result<T>,
-) -> Result<Vec<T>, ReadError> {
-    Ok(connection.prepare(select)?.query_map([], read)?.collect::<Result<_, _>>()?)
 }

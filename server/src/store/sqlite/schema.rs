@@ -3,6 +3,7 @@
 //! `PRAGMA user_version` is the number of migrations made. A migration that was released is never changed: the next
 //! change of the tables is one more. What is in a `body` has a version of its own (`document`).
 
+use super::checksum;
 use rusqlite::{Connection, TransactionBehavior};
 
 /// "Umwt": by this a data file is told from any other SQLite database.
@@ -10,7 +11,10 @@ pub(super) const APPLICATION_ID: i32 = 0x556d_7774;
 
 /// What leads from each version of the tables to the next, from none on.
 pub(super) const MIGRATIONS: &[&str] =
-    &[include_str!("version-1.sql"), include_str!("version-2.sql")];
+    &[include_str!("version-1.sql"), include_str!("version-2.sql"), include_str!("version-3.sql")];
+
+/// The first version of the tables whose rows have checksums.
+pub(super) const CHECKSUMS: usize = 3;
 
 /// What stands in the way of using a database.
 #[derive(Debug, PartialEq)]
@@ -58,4 +62,30 @@ pub(super) fn migrate(connection: &mut Connection, migrations: &[&str]) -> Resul
         step.commit()?;
     }
     Ok(before)
+}
+
+/// Whether the tables are those that `migrations` lead to: a name or a type that has changed on the disk would make the
+/// rows mean something else.
+pub(super) fn check_shape(connection: &Connection, migrations: &[&str]) -> Result<(), Unusable> {
+    let mut fresh = Connection::open_in_memory()?;
+    checksum::install(&fresh)?;
+    migrate(&mut fresh, migrations)?;
+    let is_same = shape(connection)? == shape(&fresh)?;
+    is_same
+        .then_some(())
+        .ok_or_else(|| Unusable::Damaged("its tables are not as they were made".to_owned()))
+}
+
+/// Every column of every table and every reference between tables, in words.
+fn shape(connection: &Connection) -> rusqlite::Result<Vec<String>> {
+    let mut select = connection.prepare(
+        "SELECT concat_ws(' ', t.name, t.wr, t.strict, c.name, c.type, c.\"notnull\", c.pk, c.dflt_value) \
+         FROM pragma_table_list AS t JOIN pragma_table_xinfo(t.name) AS c \
+         WHERE t.schema = 'main' AND t.type = 'table' \
+         UNION ALL SELECT concat_ws(' ', t.name, f.\"table\", f.\"from\", f.\"to\", f.on_delete) \
+         FROM pragma_table_list AS t JOIN pragma_foreign_key_list(t.name) AS f \
+         WHERE t.schema = 'main' AND t.type = 'table' ORDER BY 1",
+    )?;
+    let lines = select.query_map([], |row| row.get(0))?;
+    lines.collect()
 }

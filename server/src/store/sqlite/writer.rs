@@ -2,16 +2,22 @@
 //! disk, with a savepoint around each, so that one that cannot be made fails alone.
 
 use super::apply::{ApplyError, apply};
-use super::open::{PROBE, call_failed};
+use super::files::Watched;
+use super::open::{BUSY, PROBE, call_failed};
 use crate::store::{Change, StoreError};
 use rusqlite::{Connection, TransactionBehavior};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
 
 /// Most requests of one group: a bound on what is lost together where the disk fails, far above what waits in practice.
 const MAX_GROUP: usize = 256;
+
+/// Nothing is written for this long: time to bring the write-ahead log into the file. Longer than the pauses of those who
+/// write again and again, so that what they change again and again is brought in seldom.
+pub(super) const IDLE: Duration = Duration::from_secs(6);
 
 /// What the writer can be asked for.
 #[derive(Debug)]
@@ -40,11 +46,11 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    /// Starts the thread on a connection to `file`.
-    pub(super) fn start(connection: Connection, file: PathBuf) -> io::Result<Self> {
+    /// Starts the thread on a connection to `file`; after `idle` without a write the log goes into the file.
+    pub(super) fn start(connection: Connection, file: PathBuf, idle: Duration) -> io::Result<Self> {
         let (jobs, asked) = channel();
-        let identity = identity(&file)?;
-        let desk = Desk { connection, file, identity };
+        let watched = Watched::of(&file)?;
+        let desk = Desk { connection, file, watched, has_log: false, idle };
         let thread = Builder::new().name("store".to_owned()).spawn(move || desk.run(&asked))?;
         Ok(Self { jobs: Some(jobs), thread: Some(thread) })
     }
@@ -82,12 +88,23 @@ enum Failed {
 struct Desk {
     connection: Connection,
     file: PathBuf,
-    identity: Identity,
+    watched: Watched,
+    /// Whether there is something in the write-ahead log alone that matters.
+    has_log: bool,
+    idle: Duration,
 }
 
 impl Desk {
     fn run(mut self, jobs: &Receiver<Job>) {
-        while let Ok(first) = jobs.recv() {
+        loop {
+            let first = match jobs.recv_timeout(self.idle) {
+                Ok(first) => first,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.fold_in_when_idle();
+                    continue;
+                }
+                Err(RecvTimeoutError::Disconnected) => return,
+            };
             let group = std::iter::once(first).chain(jobs.try_iter().take(MAX_GROUP - 1));
             let group: Vec<Job> = group.collect();
             let results = self.write_group(&group);
@@ -101,10 +118,21 @@ impl Desk {
     /// Writes what was asked for. Where all of it together fails, each on its own: a change that is too large for what
     /// is left of the disk takes no other with it.
     fn write_group(&mut self, group: &[Job]) -> Vec<Result<(), StoreError>> {
+        let mut results = self.write_or_say(group);
+        for (job, result) in group.iter().zip(&mut results) {
+            if matches!(job.request, Request::Settle) {
+                // Even where the log has lost its name: this is the last chance to keep what is in it.
+                *result = self.fold_in();
+            }
+        }
+        results
+    }
+
+    fn write_or_say(&mut self, group: &[Job]) -> Vec<Result<(), StoreError>> {
         match self.write(group) {
             Ok(results) => results,
             Err(Failed::Together(_)) if group.len() > 1 => {
-                let alone = |job| self.write_group(std::slice::from_ref(job)).pop();
+                let alone = |job| self.write_or_say(std::slice::from_ref(job)).pop();
                 group.iter().filter_map(alone).collect()
             }
             Err(Failed::Outright(error) | Failed::Together(error)) => {
@@ -115,8 +143,12 @@ impl Desk {
 
     /// One transaction with a savepoint for each of `group`.
     fn write(&mut self, group: &[Job]) -> Result<Vec<Result<(), StoreError>>, Failed> {
-        let Self { connection, file, identity } = self;
-        identity.check(file).map_err(Failed::Outright)?;
+        if let Err(error) = self.watched.check() {
+            // A log that has lost its name is lost with the process.
+            self.fold_in_when_idle();
+            return Err(Failed::Outright(error));
+        }
+        let Self { connection, file, watched, has_log, .. } = self;
         let failed = |error: rusqlite::Error| Failed::Together(call_failed(file, &error));
         let immediate = TransactionBehavior::Immediate;
         let begun = connection.transaction_with_behavior(immediate);
@@ -148,14 +180,35 @@ impl Desk {
             }
         }
         transaction.commit().map_err(failed)?;
-        for (job, result) in group.iter().zip(&mut results) {
-            if matches!(job.request, Request::Settle) {
-                let settled =
-                    connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
-                *result = settled.map_err(|error| call_failed(file, &error));
-            }
-        }
+        *has_log |= group.iter().any(|job| matches!(job.request, Request::Commit(_)));
+        // One that was moved meanwhile has taken it along.
+        watched.check().map_err(Failed::Outright)?;
         Ok(results)
+    }
+
+    /// Brings the write-ahead log into the file once nothing has been written for a while: then all that matters is in one
+    /// file. Tries that are of no use change nothing in the log, and do not count.
+    fn fold_in_when_idle(&mut self) {
+        if self.has_log
+            && let Err(error) = self.fold_in()
+        {
+            // A backup may be reading the log; the next time will do.
+            tracing::debug!(%error, "the log is not brought into the file yet");
+        }
+    }
+
+    /// Brings the write-ahead log into the file, without waiting for those who read it.
+    fn fold_in(&mut self) -> Result<(), StoreError> {
+        let failed = |error| call_failed(&self.file, &error);
+        self.connection.busy_timeout(Duration::ZERO).map_err(failed)?;
+        let fold_in = "PRAGMA wal_checkpoint(TRUNCATE)";
+        let folded = self.connection.query_row(fold_in, [], |row| row.get::<_, bool>(0));
+        self.connection.busy_timeout(BUSY).map_err(failed)?;
+        match folded.map_err(failed)? {
+            false => self.has_log = false,
+            true => return Err(StoreError::Unavailable("somebody reads the log".to_owned())),
+        }
+        Ok(())
     }
 }
 
@@ -168,26 +221,6 @@ impl ApplyError {
     }
 }
 
-/// Which file is open: one that was moved or removed can be written to, and all of it would be lost.
-#[derive(Debug, PartialEq, Eq)]
-struct Identity(u64, u64);
-
-fn identity(file: &Path) -> io::Result<Identity> {
-    use std::os::unix::fs::MetadataExt;
-    let metadata = std::fs::metadata(file)?;
-    Ok(Identity(metadata.dev(), metadata.ino()))
-}
-
-impl Identity {
-    fn check(&self, file: &Path) -> Result<(), StoreError> {
-        let is_there = identity(file).is_ok_and(|found| found == *self);
-        is_there.then_some(()).ok_or_else(|| {
-            let file = file.display();
-            StoreError::Unavailable(format!("{file} was moved or removed; put it back"))
-        })
-    }
-}
-
 /// Writes `requests` as one group, as if all of them had waited.
 #[cfg(test)]
 pub(super) fn write_together(
@@ -195,8 +228,8 @@ pub(super) fn write_together(
     file: &Path,
     requests: Vec<Request>,
 ) -> Vec<Result<(), StoreError>> {
-    let identity = identity(file).unwrap();
-    let mut desk = Desk { connection, file: file.to_path_buf(), identity };
+    let (file, watched) = (file.to_path_buf(), Watched::of(file).unwrap());
+    let mut desk = Desk { connection, file, watched, has_log: false, idle: IDLE };
     let job = |request| Job { request, answer: sync_channel(1).0 };
     desk.write_group(&requests.into_iter().map(job).collect::<Vec<_>>())
 }

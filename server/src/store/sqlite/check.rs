@@ -1,0 +1,75 @@
+//! A data file looked through from end to end, without a server: which rows are damaged, and those taken out.
+
+use super::damage::{self, Damage};
+use super::files;
+use super::open::{self, DATA_FILE, OpenError};
+use super::schema::{self, Unusable};
+use rusqlite::{Connection, TransactionBehavior};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What is found in a data file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Checked {
+    /// The file.
+    pub file: PathBuf,
+    /// The rows that are not as they were written, by table.
+    pub damaged: Vec<Damage>,
+    /// Whether they are taken out.
+    pub removed: bool,
+}
+
+/// Reads all that the store in `directory` keeps, and says which rows are damaged. With `remove` they are taken out, a
+/// job with everything of it, in one transaction; no server can use the store meanwhile then, while without it one may.
+///
+/// # Errors
+/// Where there is no store, the file as a whole cannot be read, or, with `remove`, a server uses it.
+pub fn check(directory: &Path, remove: bool) -> Result<Checked, OpenError> {
+    let file = directory.join(DATA_FILE);
+    if !file.try_exists().unwrap_or(true) {
+        return Err(OpenError::Missing { file });
+    }
+    files::refuse_lost(directory)?;
+    let _held = if remove { Some(files::lock(directory)?) } else { None };
+    let damaged = look(&file, remove).map_err(|found| open::unusable_file(&file, found))?;
+    Ok(Checked { removed: remove && !damaged.is_empty(), file, damaged })
+}
+
+fn look(file: &Path, remove: bool) -> Result<Vec<Damage>, Unusable> {
+    let mut connection = if remove { open::writable(file)? } else { open::read_only(file)? };
+    open::check(&connection)?;
+    if !has_checksums(&connection)? {
+        return Ok(Vec::new());
+    }
+    let transaction = connection.transaction_with_behavior(if remove {
+        TransactionBehavior::Immediate
+    } else {
+        TransactionBehavior::Deferred
+    })?;
+    let damaged = damage::scan(&transaction)?;
+    if remove && !damaged.is_empty() {
+        damage::remove(&transaction, &damaged)?;
+        transaction.commit()?;
+    }
+    Ok(damaged)
+}
+
+/// Whether the rows of a data file have checksums: those of older programs get theirs when a server opens them.
+pub(super) fn has_checksums(connection: &Connection) -> Result<bool, Unusable> {
+    let version = schema::version(connection, schema::MIGRATIONS.len())?;
+    Ok(version.ok_or(Unusable::Foreign)? >= schema::CHECKSUMS)
+}
+
+impl fmt::Display for Checked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let file = self.file.display();
+        for damage in &self.damaged {
+            writeln!(f, "{damage}")?;
+        }
+        match (self.damaged.len(), self.removed) {
+            (0, _) => write!(f, "{file}: every row is as it was written"),
+            (count, true) => write!(f, "{file}: {count} damaged rows, which are removed"),
+            (count, false) => write!(f, "{file}: {count} damaged rows"),
+        }
+    }
+}
