@@ -14,8 +14,12 @@ use tokio::time::Instant;
 use umwelt_api::IdempotencyKey;
 use umwelt_api::problem::Problem;
 
-/// Largest answer that is read: three times every trial of the largest comparison, 200 000 rows of some 100 bytes.
+/// Largest answer in bytes that is read: three times every trial of the largest comparison, 200 000 rows of some 100
+/// bytes.
 const MAX_ANSWER: usize = 64 << 20;
+
+/// Largest refusal in bytes that is read: many problems at once, each with its value and remedy.
+const MAX_REFUSAL: usize = 1 << 20;
 
 /// The deadline as the server hears it: a number of at most eight digits and its unit.
 pub(crate) const GRPC_TIMEOUT: HeaderName = HeaderName::from_static("grpc-timeout");
@@ -111,7 +115,7 @@ pub(crate) async fn send(http: reqwest::Client, call: Call) -> Result<Bytes, Err
     }
     let exchange = async {
         let response = request.send().await.map_err(|error| error::transport(&call.what, error))?;
-        body_of_success(&call.what, response).await
+        body_of_success(&call.what, response, MAX_ANSWER).await
     };
     match tokio::time::timeout_at(call.deadline, exchange).await {
         Ok(answer) => answer,
@@ -130,14 +134,23 @@ pub(crate) fn read<T: DeserializeOwned>(what: &str, answer: &[u8]) -> Result<T, 
     })
 }
 
-/// The body of a success; everything else as the error that it is.
-pub(crate) async fn body_of_success(what: &str, response: Response) -> Result<Bytes, Error> {
-    let response = success(what, response).await?;
-    body(what, response).await
+/// The body of a success, of at most `limit` bytes; everything else as the error that it is.
+pub(crate) async fn body_of_success(
+    what: &str,
+    response: Response,
+    limit: usize,
+) -> Result<Bytes, Error> {
+    let response = refuse(what, response, limit.min(MAX_REFUSAL)).await?;
+    body(what, response, limit).await
 }
 
 /// The response, if it is a success.
 pub(crate) async fn success(what: &str, response: Response) -> Result<Response, Error> {
+    refuse(what, response, MAX_REFUSAL).await
+}
+
+/// The response, if it is a success; the error that it is, of at most `limit` bytes, if it is none.
+async fn refuse(what: &str, response: Response, limit: usize) -> Result<Response, Error> {
     let status = response.status();
     if status.is_success() {
         return Ok(response);
@@ -148,16 +161,17 @@ pub(crate) async fn success(what: &str, response: Response) -> Result<Response, 
         return Err(Error::Protocol { what: what.into(), why });
     }
     let retry_after = retry_after(response.headers());
-    let body = body(what, response).await?;
+    let body = body(what, response, limit).await?;
     let problem = Problem::parse(status.as_u16(), &body);
     Err(Error::Problem { what: what.into(), problem, retry_after })
 }
 
-async fn body(what: &str, mut response: Response) -> Result<Bytes, Error> {
+/// The body as it comes, never more than `limit` bytes of it: what is longer is given up at once.
+async fn body(what: &str, mut response: Response, limit: usize) -> Result<Bytes, Error> {
     let mut body = BytesMut::new();
     while let Some(chunk) = response.chunk().await.map_err(|error| error::transport(what, error))? {
-        if body.len() + chunk.len() > MAX_ANSWER {
-            let why = format!("the answer is longer than {} MiB", MAX_ANSWER >> 20);
+        if body.len() + chunk.len() > limit {
+            let why = format!("the answer is longer than {} KiB: it is none of ours", limit >> 10);
             return Err(Error::Protocol { what: what.into(), why });
         }
         body.extend_from_slice(&chunk);

@@ -27,5 +27,5 @@ pub use client::{Client, DEADLINE};
 pub use error::{Error, Failure};
 pub use events::{ComparisonEvents, Events, EvolutionEvents, SILENCE};
 pub use jobs::fresh_key;
-pub use step::{STEP_DEADLINE, StepConnection};
+pub use step::{MAX_REPLY, STEP_DEADLINE, StepConnection};
 pub use umwelt_api as api;

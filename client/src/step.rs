@@ -12,6 +12,14 @@ use umwelt_api::step::{Reply, Request};
 /// that it was late.
 pub const STEP_DEADLINE: Duration = Duration::from_secs(5);
 
+/// Largest answer to a step in bytes; that of the longest horizon has 6 KiB.
+pub const MAX_REPLY: usize = 64 << 10;
+
+/// How much of an answer, and of all of a connection, a server may send before it is read: one answer, and one for each of
+/// the four steps in flight.
+const STREAM_WINDOW: u32 = MAX_REPLY as u32;
+const CONNECTION_WINDOW: u32 = 4 * STREAM_WINDOW;
+
 /// A connection on which no ping comes back for `PING_INTERVAL + PING_TIMEOUT` is closed, also one that was dropped
 /// while its bytes were stuck: nothing of a dead link stays behind.
 const PING_INTERVAL: Duration = Duration::from_secs(5);
@@ -54,7 +62,7 @@ impl StepConnection {
             .body(body)
             .send();
         let response = sent.await.map_err(|error| error::transport(&what, error))?;
-        let answer = call::body_of_success(&what, response).await?;
+        let answer = call::body_of_success(&what, response, MAX_REPLY).await?;
         call::read(&what, &answer)
     }
 }
@@ -66,6 +74,8 @@ fn http() -> reqwest::Client {
             .http2_keep_alive_interval(PING_INTERVAL)
             .http2_keep_alive_timeout(PING_TIMEOUT)
             .http2_keep_alive_while_idle(true)
+            .http2_initial_stream_window_size(STREAM_WINDOW)
+            .http2_initial_connection_window_size(CONNECTION_WINDOW)
             .pool_idle_timeout(None)
             .pool_max_idle_per_host(1),
     )
@@ -137,6 +147,23 @@ mod tests {
         let error = connection.step(&rover(), &request()).await.unwrap_err();
         assert_eq!(error.status(), Some(Status::Unavailable));
         assert_eq!(server.requests(), 1);
+    }
+
+    /// Whatever comes, as a success or as a refusal: no more than a reply is ever read.
+    #[tokio::test]
+    async fn an_answer_longer_than_any_reply_is_given_up() {
+        for status in [StatusCode::OK, StatusCode::BAD_REQUEST] {
+            let long = format!("{{\"stage\": \"{}\"}}", "x".repeat(MAX_REPLY));
+            let server = Server::start(move |_| {
+                let long = long.clone();
+                async move { json(status, &long) }
+            })
+            .await;
+            let connection = Client::new(&server.url).unwrap().step_connection();
+            let error = connection.step(&rover(), &request()).await.unwrap_err();
+            let Error::Protocol { why, .. } = &error else { panic!("{error:?}") };
+            assert!(why.contains("longer than 64 KiB"), "{error}");
+        }
     }
 
     #[tokio::test]

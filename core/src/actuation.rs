@@ -14,6 +14,10 @@ use serde::{Deserialize, Serialize};
 /// wait where pose and reply take no time at all.
 const HELD: usize = 16;
 
+/// Longest time in s that a horizon may wait for its start: the longest loop delay that a server can be told, and some
+/// slots. What begins later was planned for nothing that the robot could know by then.
+const MAX_LEAD: f64 = 2.0 + 3.0 * SLOT;
+
 /// Times that differ by less than this many s may be the same slot boundary.
 const SAME_TIME: f64 = 1e-6;
 
@@ -24,6 +28,8 @@ pub enum Acceptance {
     Newest,
     /// A newer one is here already (or this very one): nothing changes.
     Stale,
+    /// It begins too far ahead, or its numbers mean nothing: nothing changes.
+    Unbelievable,
 }
 
 /// What the robot is playing: reported with every request.
@@ -78,11 +84,15 @@ impl Actuation {
         }
     }
 
-    /// Takes in a horizon that arrives now. Late, repeated and reordered ones change nothing.
+    /// Takes in a horizon that arrives now. Late, repeated, reordered and unbelievable ones change nothing; one that is
+    /// longer than a robot may go by is [cut](Horizon::cut).
     pub fn accept(&mut self, horizon: &Horizon) -> Acceptance {
         if self.newest.is_some_and(|newest| horizon.sequence <= newest) || horizon.speeds.is_empty()
         {
             return Acceptance::Stale;
+        }
+        if horizon.start > self.time + MAX_LEAD || !horizon.is_meaningful() {
+            return Acceptance::Unbelievable;
         }
         self.newest = Some(horizon.sequence);
         // What plays goes on until the new one begins.
@@ -97,6 +107,7 @@ impl Actuation {
         let taken = self.held.iter().fold(0_u32, |taken, &place| taken | 1 << place);
         let place = taken.trailing_ones() as usize;
         self.places[place].clone_from(horizon);
+        self.places[place].cut();
         self.held.push(place);
         Acceptance::Newest
     }
@@ -204,6 +215,7 @@ impl Actuation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::horizon::{MAX_DURATION, MAX_SLOTS, MAX_WATCHDOG};
     use proptest::prelude::*;
 
     fn horizon(sequence: u64, start: f64, speeds: &[f64]) -> Horizon {
@@ -348,6 +360,48 @@ mod tests {
         }
         let limit = (0.13 - drive.min_linear) / drive.max_linear_acceleration;
         assert!(now - began >= limit - SLOT - 1e-9 && now - began <= limit + RAMP_STEP);
+    }
+
+    /// Whatever a server says once, a robot that then hears nothing more comes to rest in good time.
+    #[test]
+    fn no_single_horizon_drives_a_robot_for_long() {
+        let drive = Drive::default();
+        let longest = MAX_LEAD + MAX_DURATION + MAX_WATCHDOG + 0.13 / drive.max_linear_acceleration;
+        for start in [-1e9, -3.0, 0.0, 2.0, 2.09, 2.1, 60.0, 1e9, f64::INFINITY, f64::NAN] {
+            for slot in [1e-12, 0.001, SLOT, 1.0, 1e6, 1e300, 0.0, -1.0, f64::INFINITY, f64::NAN] {
+                for watchdog in [0.05, 0.3, 5.0, 1e9, -1.0, f64::INFINITY, f64::NAN] {
+                    let mut actuation = Actuation::new(drive, 0.0);
+                    let told = horizon(1, start, &[0.13; MAX_SLOTS]);
+                    actuation.accept(&Horizon { slot, watchdog, ..told });
+                    let (mut now, mut moved) = (0.0, 0.0);
+                    while now < longest + 1.0 {
+                        actuation.advance(now);
+                        assert!(actuation.output().linear <= 0.13 + 1e-12);
+                        if actuation.output() != Twist::ZERO {
+                            moved = now;
+                        }
+                        now += RAMP_STEP;
+                    }
+                    let said =
+                        format!("{moved} s with start {start}, slot {slot}, watchdog {watchdog}");
+                    assert!(moved <= longest + RAMP_STEP && actuation.is_at_rest(), "{said}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_believed_leaves_what_plays_as_it_is() {
+        let mut actuation = Actuation::new(Drive::default(), 0.0);
+        assert_eq!(actuation.accept(&horizon(1, 0.0, &[0.02; 20])), Acceptance::Newest);
+        let far = horizon(2, 1000.0, &[0.13; 20]);
+        assert_eq!(actuation.accept(&far), Acceptance::Unbelievable);
+        let mut nonsense = horizon(3, 0.1, &[0.13; 20]);
+        nonsense.speeds[7].left = f64::NAN;
+        assert_eq!(actuation.accept(&nonsense), Acceptance::Unbelievable);
+        assert!((linear(&mut actuation, 0.2) - 0.02).abs() < 1e-12);
+        assert_eq!(actuation.accept(&horizon(2, 0.21, &[0.01; 20])), Acceptance::Newest);
+        assert!((linear(&mut actuation, 0.3) - 0.01).abs() < 1e-12);
     }
 
     proptest! {

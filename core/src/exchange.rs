@@ -247,6 +247,11 @@ impl Exchange {
         (self.connection + 1).saturating_sub(MAX_CONNECTIONS as u64)
     }
 
+    /// Sequence of the newest request sent; 0 before the first.
+    pub fn newest_sequence(&self) -> u64 {
+        self.next_sequence - 1
+    }
+
     /// Requests that are waited for.
     pub fn in_flight(&self) -> usize {
         self.in_flight.len()

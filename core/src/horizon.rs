@@ -1,6 +1,7 @@
 //! The horizon: the timed wheel speeds of one reply, in the robot's own clock.
 
 use crate::geometry::WheelSpeeds;
+use crate::geometry::elementary::{least, most};
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,13 @@ pub const SLOT: f64 = 0.030;
 
 /// Most slots of one horizon: 2 s of 30 ms, beyond which no prediction is worth playing.
 pub const MAX_SLOTS: usize = 67;
+
+/// Longest time in s that a robot goes by one horizon, whatever its slots say: [`MAX_SLOTS`] ordinary ones.
+pub const MAX_DURATION: f64 = MAX_SLOTS as f64 * SLOT;
+
+/// Longest time in s for which a robot holds the last entry past the end of a horizon, whatever the horizon says: a robot
+/// without a link drives blind for no more than this. Only 0, for ever, is more; no real robot takes that.
+pub const MAX_WATCHDOG: f64 = 1.0;
 
 /// Default time in s for which the robot holds the last entry past the end of its horizon.
 pub const WATCHDOG: f64 = 0.3;
@@ -73,6 +81,34 @@ impl Horizon {
     /// Robot time in s after which the robot ramps to rest: end + watchdog, never where the watchdog is 0.
     pub fn valid_until(&self) -> f64 {
         if self.watchdog > 0.0 { self.end() + self.watchdog } else { f64::INFINITY }
+    }
+
+    /// Cuts what is longer than a robot may go by one horizon: entries past [`MAX_DURATION`], a watchdog above
+    /// [`MAX_WATCHDOG`]. Whether there was anything to cut.
+    pub fn cut(&mut self) -> bool {
+        // The tolerance covers rounding where the slots use the longest time to the full.
+        let most = most((MAX_DURATION / self.slot * (1.0 + BOUNDARY)).floor(), 1.0) as usize;
+        let is_long = self.slot > MAX_DURATION || self.speeds.len() > most;
+        let is_held = self.watchdog > MAX_WATCHDOG;
+        if is_long {
+            self.slot = least(self.slot, MAX_DURATION);
+            self.speeds.truncate(most);
+        }
+        if is_held {
+            self.watchdog = MAX_WATCHDOG;
+        }
+        is_long || is_held
+    }
+
+    /// Whether its numbers mean anything: all finite, a slot that takes time, a watchdog that is none or some.
+    pub fn is_meaningful(&self) -> bool {
+        let is_finite = |speeds: &WheelSpeeds| speeds.left.is_finite() && speeds.right.is_finite();
+        self.start.is_finite()
+            && self.slot.is_finite()
+            && self.slot > 0.0
+            && self.watchdog.is_finite()
+            && self.watchdog >= 0.0
+            && self.speeds.iter().all(is_finite)
     }
 
     /// Wheel speeds at robot time `time`: the entry for it, the last one past the end, the ramp past `valid_until`.
@@ -179,6 +215,24 @@ mod tests {
             .map(|i| kinematics::inverse(&drive, Twist::new(0.05 + 0.002 * i as f64, 0.1)))
             .collect();
         Horizon { sequence: 3, answers: 7, start: 12.34, slot: SLOT, watchdog, speeds }
+    }
+
+    #[test]
+    fn what_is_longer_than_a_robot_may_go_by_is_cut_and_nothing_else_is() {
+        let cut = |slots: usize, slot: f64, watchdog: f64| {
+            let mut h = Horizon { slot, ..horizon(slots, watchdog) };
+            let was_cut = h.cut();
+            (was_cut, h.speeds.len(), h.slot, h.watchdog)
+        };
+        for ordinary in [(1, SLOT, 0.3), (20, SLOT, 0.05), (MAX_SLOTS, SLOT, 1.0), (40, 0.05, 0.0)]
+        {
+            let (slots, slot, watchdog) = ordinary;
+            assert_eq!(cut(slots, slot, watchdog), (false, slots, slot, watchdog));
+        }
+        assert_eq!(cut(20, SLOT, 5.0), (true, 20, SLOT, 1.0));
+        assert_eq!(cut(67, 1.0, 0.3), (true, 2, 1.0, 0.3));
+        assert_eq!(cut(67, 1e6, 1e6), (true, 1, MAX_DURATION, 1.0));
+        assert_eq!(cut(67, 0.031, 0.3), (true, 64, 0.031, 0.3));
     }
 
     #[test]

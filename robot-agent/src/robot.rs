@@ -14,10 +14,10 @@ use umwelt_client::api::problem::{Problem, Status};
 use umwelt_client::api::robot::MAX_INTEGER;
 use umwelt_client::api::step;
 use umwelt_client::api::task::Stage;
-use umwelt_core::actuation::{Actuation, Playing};
+use umwelt_core::actuation::{Acceptance, Actuation, Playing};
 use umwelt_core::exchange::{Exchange, Observation, Request};
 use umwelt_core::geometry::WheelSpeeds;
-use umwelt_core::horizon::{Horizon, WATCHDOG};
+use umwelt_core::horizon::{Horizon, MAX_DURATION, MAX_WATCHDOG, WATCHDOG};
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_core::link::Link;
 
@@ -229,11 +229,20 @@ impl Robot {
             Ok(horizon) => horizon,
             Err(problems) => return self.complain(now, &format!("unbelievable: {problems}")),
         };
+        if horizon.sequence > self.exchange.newest_sequence() {
+            let asked = self.exchange.newest_sequence();
+            let why = format!("horizon.sequence is {}, but {asked} is all", horizon.sequence);
+            return self.complain(now, &format!("unbelievable: {why} that was asked for so far"));
+        }
         self.make_safe(now, &mut horizon);
+        if self.actuation.accept(&horizon) == Acceptance::Unbelievable {
+            let ahead = horizon.start - now;
+            let why = format!("its horizon begins in {ahead:.1} s, no plan reaches that far");
+            return self.complain(now, &format!("unbelievable: {why}"));
+        }
         if let Some(loop_delay) = self.exchange.reply(now, sequence) {
             self.state.loop_delay = Some(loop_delay);
         }
-        self.actuation.accept(&horizon);
         if self.state.stopped != reply.stopped {
             info!(
                 "{}",
@@ -257,6 +266,14 @@ impl Robot {
             self.complain(
                 now,
                 &format!("a watchdog of 0 s is none: playing on {WATCHDOG} s instead"),
+            );
+        }
+        if horizon.cut() {
+            self.complain(
+                now,
+                &format!(
+                    "a horizon of more than {MAX_DURATION:.0} s, or a watchdog of more than {MAX_WATCHDOG} s: cut"
+                ),
             );
         }
         let mut over = false;

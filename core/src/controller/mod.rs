@@ -12,8 +12,9 @@ pub mod task;
 
 use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
+use crate::geometry::elementary::least;
 use crate::geometry::{Displacement, Point, Pose, WheelSpeeds};
-use crate::horizon::{Horizon, SLOT};
+use crate::horizon::{Horizon, MAX_WATCHDOG, SLOT};
 use crate::identification::estimate::Environment;
 use crate::identification::{Belief, Verdict, Window};
 use crate::kinematics;
@@ -328,6 +329,8 @@ impl<C: Compensation> Controller<C> {
     /// Plans the horizon that answers `request`.
     fn command(&mut self, request: &Request) -> &Horizon {
         let Settings { drive, slot, watchdog, attribution, .. } = self.settings;
+        // The robot holds no longer, whatever it was described with: what was driven is to be known.
+        let watchdog = least(watchdog, MAX_WATCHDOG);
         let loop_delay = self.compensation.loop_delay(&self.settings);
         let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
         let soonest = (request.sent + slot).max(newest);

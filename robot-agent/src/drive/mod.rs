@@ -56,7 +56,10 @@ pub enum DriveError {
     /// Nobody reads the wheel speeds any more.
     #[error("nobody takes the wheel speeds: standard output is closed")]
     OutputClosed,
-    /// Nobody reads the wheel speeds for now.
-    #[error("nobody takes the wheel speeds: standard output is blocked")]
+    /// The newest wheel speeds have waited too long for somebody to read them.
+    #[error(
+        "nobody takes the wheel speeds: the newest ones have waited 0.5 s. Whatever reads standard output must read \
+         every line as it comes, and act on the last one"
+    )]
     OutputBlocked,
 }

@@ -8,12 +8,17 @@
 //! Speeds are written at every slot and at every change, zeros at rest: a motor driver that hears nothing for a few
 //! slots should stop by itself. Lines that are no poses are reported and skipped; none of them moves the robot.
 
+mod arrivals;
 mod line;
+mod output;
+
+pub use output::Output;
 
 use super::{Drive, DriveError};
 use crate::throttle::Throttle;
+use arrivals::Arrivals;
 use line::{Line, Poses, Splitter};
-use serde::Serialize;
+use output::{Putter, newest_line};
 use std::io::{self, Read, Write};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -22,13 +27,9 @@ use tracing::warn;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
-use umwelt_core::kinematics;
 
 /// Most lines read ahead of the loop; a tracker that is faster has to wait.
 const MAX_READ_AHEAD: usize = 64;
-
-/// Most lines of wheel speeds that wait to be written, half a second of slots: beyond, the output is blocked.
-const MAX_WAITING: usize = 16;
 
 /// Size in bytes of the pipe to the motor driver where the system lets it be chosen: a driver that stopped reading
 /// shows after two seconds of lines, not after half a minute.
@@ -37,51 +38,8 @@ const PIPE_SIZE: usize = 4096;
 /// Longest time to let the last zeros out at the end.
 const LAST_WRITE: Duration = Duration::from_millis(500);
 
-/// What is written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Output {
-    /// `left_rad_per_s` and `right_rad_per_s`.
-    Wheels,
-    /// `linear_m_per_s` and `angular_rad_per_s` of a robot with this drive.
-    Twist(kinematics::Drive),
-}
-
-#[derive(Serialize)]
-struct WheelsLine {
-    t_s: f64,
-    left_rad_per_s: f64,
-    right_rad_per_s: f64,
-}
-
-#[derive(Serialize)]
-struct TwistLine {
-    t_s: f64,
-    linear_m_per_s: f64,
-    angular_rad_per_s: f64,
-}
-
-impl Output {
-    /// One line, its end included. Negative zeros are written as zeros.
-    fn line(self, now: f64, speeds: WheelSpeeds) -> Result<Vec<u8>, serde_json::Error> {
-        let mut line = match self {
-            Self::Wheels => serde_json::to_vec(&WheelsLine {
-                t_s: now,
-                left_rad_per_s: speeds.left + 0.0,
-                right_rad_per_s: speeds.right + 0.0,
-            }),
-            Self::Twist(drive) => {
-                let twist = kinematics::forward(&drive, speeds);
-                serde_json::to_vec(&TwistLine {
-                    t_s: now,
-                    linear_m_per_s: twist.linear + 0.0,
-                    angular_rad_per_s: twist.angular + 0.0,
-                })
-            }
-        }?;
-        line.push(b'\n');
-        Ok(line)
-    }
-}
+/// Pause before a read is tried again on an input that somebody has set to non-blocking.
+const RETRY: Duration = Duration::from_millis(2);
 
 /// A robot behind two pipes. Run it on [`Clock::host`](crate::Clock::host): its stamps are the host's.
 #[derive(Debug)]
@@ -92,8 +50,9 @@ pub struct Pipe {
     is_open: bool,
     poses: Poses,
     known: Option<Observation>,
+    arrivals: Arrivals,
     complaint: Throttle,
-    writes: Option<mpsc::Sender<Vec<u8>>>,
+    putter: Option<Putter>,
     written: Option<oneshot::Receiver<()>>,
     applied: Option<WheelSpeeds>,
     next_line: f64,
@@ -122,23 +81,23 @@ impl Pipe {
         output: Output,
     ) -> io::Result<Self> {
         let (to_lines, lines) = mpsc::channel(MAX_READ_AHEAD);
-        let (writes, to_write) = mpsc::channel(MAX_WAITING);
+        let (putter, taker) = newest_line();
         let (done, written) = oneshot::channel();
         std::thread::Builder::new()
             .name("poses".into())
             .spawn(move || read_lines(reader, &to_lines))?;
         std::thread::Builder::new().name("speeds".into()).spawn(move || {
-            if write_lines(writer, to_write).is_ok() {
+            if taker.write_to(writer).is_ok() {
                 // Nobody may be waiting any more.
                 let _ = done.send(());
             }
         })?;
-        Ok(Self::over(lines, writes, written, output))
+        Ok(Self::over(lines, putter, written, output))
     }
 
     fn over(
         lines: mpsc::Receiver<Line>,
-        writes: mpsc::Sender<Vec<u8>>,
+        putter: Putter,
         written: oneshot::Receiver<()>,
         output: Output,
     ) -> Self {
@@ -148,8 +107,9 @@ impl Pipe {
             is_open: true,
             poses: Poses::NEW,
             known: None,
+            arrivals: Arrivals::new(),
             complaint: Throttle::default(),
-            writes: Some(writes),
+            putter: Some(putter),
             written: Some(written),
             applied: None,
             next_line: f64::NEG_INFINITY,
@@ -157,13 +117,10 @@ impl Pipe {
     }
 
     fn write(&mut self, now: f64, speeds: WheelSpeeds) -> Result<(), DriveError> {
-        let writes = self.writes.as_ref().ok_or(DriveError::OutputClosed)?;
+        let putter = self.putter.as_mut().ok_or(DriveError::OutputClosed)?;
         // Horizons are checked for finite speeds on arrival; a line that cannot be written counts as lost.
         let line = self.output.line(now, speeds).map_err(|_| DriveError::OutputClosed)?;
-        writes.try_send(line).map_err(|error| match error {
-            mpsc::error::TrySendError::Full(_) => DriveError::OutputBlocked,
-            mpsc::error::TrySendError::Closed(_) => DriveError::OutputClosed,
-        })
+        putter.put(now, line)
     }
 }
 
@@ -191,7 +148,12 @@ impl Drive for Pipe {
             return ControlFlow::Break(());
         };
         match self.poses.read(now, &line) {
-            Ok(observation) => self.known = Some(observation),
+            Ok(observation) => {
+                self.known = Some(observation);
+                if let Some((complaint, unsaid)) = self.arrivals.take(now, observation.taken) {
+                    warn!(unsaid, "{complaint}");
+                }
+            }
             Err(error) => {
                 if let Some(unsaid) = self.complaint.ask(now) {
                     warn!(unsaid, "pose skipped: {error}");
@@ -225,8 +187,8 @@ impl Drive for Pipe {
 
     async fn finish(&mut self, now: f64) -> Result<(), DriveError> {
         self.write(now, WheelSpeeds::ZERO)?;
-        // Without a sender the writer ends once everything is out.
-        self.writes = None;
+        // Without a putter the writer ends once everything is out.
+        self.putter = None;
         let Some(written) = self.written.take() else { return Ok(()) };
         match tokio::time::timeout(LAST_WRITE, written).await {
             Ok(Ok(())) => Ok(()),
@@ -248,21 +210,13 @@ fn read_lines(mut reader: impl Read, lines: &mpsc::Sender<Line>) {
                 }
             }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => std::thread::sleep(RETRY),
             Err(error) => {
                 warn!("standard input: {error}");
                 return;
             }
         }
     }
-}
-
-/// Writes lines, each at once, until nobody sends any more or nobody takes them.
-fn write_lines(mut writer: impl Write, mut lines: mpsc::Receiver<Vec<u8>>) -> io::Result<()> {
-    while let Some(line) = lines.blocking_recv() {
-        writer.write_all(&line)?;
-        writer.flush()?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@ use super::*;
 use crate::report::{AgentError, Ended, Report};
 use crate::transport::Connect;
 use crate::{Clock, Config, run};
+use output::Taker;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::sync::{Arc, Mutex};
@@ -57,15 +58,15 @@ fn answering(answer: impl Fn(&step::Request) -> Horizon + Send + Sync + 'static)
 /// The other ends of a pipe's channels.
 struct Ends {
     poses: mpsc::Sender<Line>,
-    speeds: mpsc::Receiver<Vec<u8>>,
+    speeds: Taker,
     done: oneshot::Sender<()>,
 }
 
 fn pipe() -> (Pipe, Ends) {
     let (poses, lines) = mpsc::channel(MAX_READ_AHEAD);
-    let (writes, speeds) = mpsc::channel(MAX_WAITING);
+    let (putter, speeds) = newest_line();
     let (done, written) = oneshot::channel();
-    (Pipe::over(lines, writes, written, Output::Wheels), Ends { poses, speeds, done })
+    (Pipe::over(lines, putter, written, Output::Wheels), Ends { poses, speeds, done })
 }
 
 fn config() -> Config {
@@ -85,7 +86,7 @@ async fn converse(
     mut pose: impl FnMut(f64, WheelSpeeds) -> Option<String>,
 ) -> Vec<(f64, WheelSpeeds)> {
     let (mut lines, mut poses) = (Vec::new(), Some(ends.poses));
-    while let Some(line) = ends.speeds.recv().await {
+    while let Some(line) = ends.speeds.next().await {
         let (now, speeds) = parse(&line);
         lines.push((now, speeds));
         match pose(now, speeds) {
@@ -138,7 +139,7 @@ async fn tracked(rate: f64, target: Point) -> (f64, f64) {
         let (mut applied, mut poses, mut took) = (WheelSpeeds::ZERO, Some(poses), 60.0);
         loop {
             tokio::select! {
-                line = speeds.recv() => {
+                line = speeds.next() => {
                     let Some(line) = line else { break };
                     let (now, next) = parse(&line);
                     plant.advance(applied, now - plant.time());
@@ -198,34 +199,27 @@ async fn garbage_never_moves_the_robot() {
     assert!(lines.len() > 150 && lines.iter().all(|(_, speeds)| *speeds == WheelSpeeds::ZERO));
 }
 
-/// A real robot never holds a speed for ever, whatever the server says.
-#[tokio::test(start_paused = true)]
-async fn a_watchdog_of_zero_is_refused() {
-    let (pipe, mut ends) = pipe();
-    let answered = Mutex::new(false);
-    let horizon = always(0.1, 0.0)();
-    let connect: Connect = {
-        let horizon = Arc::new(Mutex::new(horizon));
-        let answered = Arc::new(answered);
-        Box::new(move || {
-            let (horizon, answered) = (Arc::clone(&horizon), Arc::clone(&answered));
-            Box::new(move |request| {
-                let first = !std::mem::replace(&mut *answered.lock().unwrap(), true);
-                let reply = horizon.lock().unwrap()(request);
-                Box::pin(async move {
-                    if !first {
-                        std::future::pending::<()>().await;
-                    }
-                    reply.await
-                })
-            })
+/// A server that answers one request with `answer` and then says nothing more.
+fn once(answer: impl Fn(&step::Request) -> Horizon + Send + Sync + 'static) -> Connect {
+    let answered = Arc::new(Mutex::new(false));
+    let connect = answering(answer);
+    Box::new(move || {
+        let (answered, step) = (Arc::clone(&answered), connect());
+        Box::new(move |request| {
+            let is_first = !std::mem::replace(&mut *answered.lock().unwrap(), true);
+            if is_first { step(request) } else { Box::pin(std::future::pending()) }
         })
-    };
-    let config = Config { duration: Some(3.0), ..config() };
+    })
+}
+
+/// What a robot that sees no poses is told to do in `duration` s.
+async fn blind(connect: Connect, duration: f64) -> Vec<(f64, WheelSpeeds)> {
+    let (pipe, mut ends) = pipe();
+    let config = Config { duration: Some(duration), ..config() };
     let run = run(config, connect, pipe, Clock::start(), std::future::pending());
     let reading = async {
         let mut lines = Vec::new();
-        while let Some(line) = ends.speeds.recv().await {
+        while let Some(line) = ends.speeds.next().await {
             lines.push(parse(&line));
         }
         ends.done.send(()).unwrap();
@@ -233,8 +227,52 @@ async fn a_watchdog_of_zero_is_refused() {
     };
     let (report, lines) = tokio::join!(run, reading);
     assert_eq!(report.unwrap().ended, Ended::Duration);
-    assert!(lines.iter().any(|(_, speeds)| speeds.left > 3.0));
-    assert!(lines.iter().filter(|(now, _)| *now > 1.5).all(|(_, s)| *s == WheelSpeeds::ZERO));
+    lines
+}
+
+/// The horizon of a server that means well.
+fn ordinary(request: &step::Request) -> Horizon {
+    Horizon {
+        sequence: request.sequence,
+        answers: request.sequence,
+        start: request.sent_s,
+        slot: SLOT,
+        watchdog: 0.3,
+        speeds: [inverse(&Wheels::default(), Twist::new(0.1, 0.0)); 17].into_iter().collect(),
+    }
+}
+
+/// A real robot never holds a speed for ever, nor goes by one reply for long, whatever the server says.
+#[tokio::test(start_paused = true)]
+async fn one_reply_drives_no_robot_for_long() {
+    let ramp = 0.1 / Wheels::default().max_linear_acceleration;
+    for (slot, watchdog, at_rest) in [
+        (SLOT, 0.0, 0.51 + 0.3),
+        (SLOT, 5.0, 0.51 + 1.0),
+        (1.0, 5.0, 2.0 + 1.0),
+        (0.4, 0.3, 2.0 + 0.3),
+    ] {
+        let connect = once(move |request| Horizon { slot, watchdog, ..ordinary(request) });
+        let lines = blind(connect, 12.0).await;
+        let moved = lines.iter().filter(|(_, speeds)| *speeds != WheelSpeeds::ZERO);
+        let last = moved.map(|(now, _)| *now).fold(0.0, f64::max);
+        let latest = at_rest + ramp + 2.0 * SLOT;
+        assert!(
+            (at_rest - SLOT..=latest).contains(&last),
+            "{last} s by slots of {slot} s, {watchdog} s"
+        );
+    }
+}
+
+/// Neither a horizon of a far future nor one that nobody asked for moves the robot, now or later.
+#[tokio::test(start_paused = true)]
+async fn a_horizon_that_cannot_be_meant_moves_nothing() {
+    let far =
+        |request: &step::Request| Horizon { start: request.sent_s + 5.0, ..ordinary(request) };
+    let foreign = |request: &step::Request| Horizon { sequence: 1 << 53, ..ordinary(request) };
+    for lines in [blind(answering(far), 12.0).await, blind(once(foreign), 12.0).await] {
+        assert!(lines.len() > 300 && lines.iter().all(|(_, speeds)| *speeds == WheelSpeeds::ZERO));
+    }
 }
 
 #[tokio::test(start_paused = true)]
@@ -267,6 +305,51 @@ fn a_twist_is_written_as_such_and_zero_has_no_sign() {
     let zero = Output::Wheels.line(1.5, WheelSpeeds { left: -0.0, right: 0.0 }).unwrap();
     assert_eq!(zero, b"{\"t_s\":1.5,\"left_rad_per_s\":0.0,\"right_rad_per_s\":0.0}\n");
     assert_eq!(forward(&wheels, WheelSpeeds::ZERO), Twist::ZERO);
+}
+
+/// Takes 15 ms for each line.
+struct Slow(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Slow {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        std::thread::sleep(Duration::from_millis(15));
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Poses in bursts, while the speeds change all the time, and a motor driver that is slow: each pose makes a line, and the
+/// driver gets the newest whenever it is ready for one.
+#[tokio::test]
+async fn bursts_of_poses_end_no_run() {
+    let wheels = Wheels::default();
+    let connect = answering(move |request| {
+        let side = if request.sequence / 8 % 2 == 0 { 0.1 } else { -0.1 };
+        let speeds = [inverse(&wheels, Twist::new(side, 0.0)); 17].into_iter().collect();
+        Horizon { speeds, ..ordinary(request) }
+    });
+    let (poses_out, mut poses) = std::io::pipe().unwrap();
+    let taken = Arc::new(Mutex::new(Vec::new()));
+    let pipe = Pipe::new(poses_out, Slow(Arc::clone(&taken)), Output::Wheels).unwrap();
+    let tracker = tokio::task::spawn_blocking(move || {
+        for _ in 0..15 {
+            std::thread::sleep(Duration::from_millis(100));
+            poses.write_all(format!("{RESTING}\n").repeat(100).as_bytes()).unwrap();
+        }
+    });
+    let report = run(config(), connect, pipe, Clock::host(), std::future::pending()).await;
+    assert_eq!(report.unwrap().ended, Ended::NoMorePoses);
+    tracker.await.unwrap();
+    let lines: Vec<_> =
+        taken.lock().unwrap().split_inclusive(|byte| *byte == b'\n').map(parse).collect();
+    assert!(lines.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    assert!(lines.iter().any(|(_, speeds)| speeds.left > 0.5));
+    assert!(lines.iter().any(|(_, speeds)| speeds.left < -0.5));
+    assert_eq!(lines.last().unwrap().1, WheelSpeeds::ZERO);
 }
 
 /// Real pipes and real time: what threads and system calls do is not seen on a paused clock.
