@@ -13,8 +13,10 @@ impl Address {
     /// # Errors
     /// Where it is none, or of a scheme that this client does not speak.
     pub(crate) fn read(text: &str) -> Result<Self, Error> {
+        // What stands before an @ may be a secret.
+        let shown = text.rsplit_once('@').map_or(text, |(_, rest)| rest);
         let refused = |why: &str| Error::BadCall {
-            what: format!("using {text} as server").into(),
+            what: format!("using {shown} as server").into(),
             why: format!("{why}; use an address like http://127.0.0.1:8080"),
         };
         let url = Url::parse(text).map_err(|error| refused(&error.to_string()))?;
@@ -24,6 +26,11 @@ impl Address {
                 return Err(refused("this client has no TLS of its own, put a tunnel in front"));
             }
             _ => return Err(refused("it does not begin with http://")),
+        }
+        if !url.username().is_empty() || url.password().is_some() {
+            return Err(refused(
+                "it has a name or a password, a token goes into --token-file FILE",
+            ));
         }
         if url.query().is_some() || url.fragment().is_some() {
             return Err(refused("it has a query or a fragment"));
@@ -69,9 +76,15 @@ mod tests {
             "https://h",
             "http://",
             "http://h/?a=b",
+            "http://hunter2@h",
+            "http://:hunter2@h",
+            "http://a:hunter2@h/lab",
+            "https://a:hunter2@h",
+            "http://a:hunter2@",
         ] {
             let error = Address::read(text).unwrap_err();
             assert!(matches!(error, Error::BadCall { .. }));
+            assert!(!error.to_string().contains("hunter2"), "{error}");
             assert!(
                 error.to_string().ends_with("use an address like http://127.0.0.1:8080"),
                 "{error}"

@@ -26,6 +26,7 @@ use crate::client::Client;
 use clap::{Parser, Subcommand};
 use failure::Failure;
 use output::Output;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
@@ -54,6 +55,9 @@ struct Cli {
         value_name = "URL"
     )]
     server: String,
+    /// File with the token of the server, where it has one
+    #[arg(long, global = true, env = "UMWELT_TOKEN_FILE", value_name = "FILE")]
+    token_file: Option<PathBuf>,
     /// Write JSON: one document, or one line per event where something is watched
     #[arg(long, global = true)]
     json: bool,
@@ -95,32 +99,38 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let Cli { server, json, command } = Cli::parse();
+    let Cli { server, token_file, json, command } = Cli::parse();
     let runtime = match tokio::runtime::Builder::new_current_thread().enable_all().build() {
         Ok(runtime) => runtime,
         Err(error) => return Failure::Failed(format!("cannot start: {error}")).report(),
     };
     let mut output = Output::standard(json);
-    match runtime.block_on(run(&server, command, &mut output)) {
+    let client = client(&server, token_file.as_deref());
+    let done = client.and_then(|client| runtime.block_on(run(&client, command, &mut output)));
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
 }
 
-async fn run(server: &str, command: Command, output: &mut Output) -> Result<(), Failure> {
-    let client = Client::new(server)?;
+fn client(server: &str, token_file: Option<&Path>) -> Result<Client, Failure> {
+    let token = token_file.map(crate::token::read_token).transpose()?;
+    Ok(Client::authorized(server, token)?)
+}
+
+async fn run(client: &Client, command: Command, output: &mut Output) -> Result<(), Failure> {
     match command {
-        Command::Robot(command) => command.run(&client, output).await,
-        Command::Task(command) => command.run(&client, output).await,
-        Command::Environment(command) => command.run(&client, output).await,
-        Command::Prior(command) => command.run(&client, output).await,
-        Command::Evolve(evolve) => evolve.run(&client, output).await,
-        Command::Evolution(command) => command.run(&client, output).await,
-        Command::Compare(compare) => compare.run(&client, output).await,
-        Command::Comparison(command) => command.run(&client, output).await,
-        Command::Stop(which) => which.run(&client, output, true).await,
-        Command::Resume(which) => which.run(&client, output, false).await,
-        Command::Events(follow) => follow.run(&client, output).await,
+        Command::Robot(command) => command.run(client, output).await,
+        Command::Task(command) => command.run(client, output).await,
+        Command::Environment(command) => command.run(client, output).await,
+        Command::Prior(command) => command.run(client, output).await,
+        Command::Evolve(evolve) => evolve.run(client, output).await,
+        Command::Evolution(command) => command.run(client, output).await,
+        Command::Compare(compare) => compare.run(client, output).await,
+        Command::Comparison(command) => command.run(client, output).await,
+        Command::Stop(which) => which.run(client, output, true).await,
+        Command::Resume(which) => which.run(client, output, false).await,
+        Command::Events(follow) => follow.run(client, output).await,
     }
 }
 
@@ -184,7 +194,10 @@ mod tests {
     /// What `umwelt` does with these arguments and no server.
     async fn failure(line: &str) -> Failure {
         let cli = Cli::try_parse_from(line.split(' ')).expect(line);
-        run(&cli.server, cli.command, &mut Output::nowhere()).await.expect_err(line)
+        match client(&cli.server, cli.token_file.as_deref()) {
+            Ok(client) => run(&client, cli.command, &mut Output::nowhere()).await.expect_err(line),
+            Err(failure) => failure,
+        }
     }
 
     #[tokio::test]
@@ -192,6 +205,8 @@ mod tests {
         for line in [
             "umwelt --server nonsense robot list",
             "umwelt --server https://h robot list",
+            "umwelt --server http://a:b@h robot list",
+            "umwelt --token-file /nonexistent/token stop --all",
             "umwelt robot add a --file /nonexistent/spec.json",
             "umwelt robot add a --file /",
             "umwelt task set a --file /nonexistent/task.json",

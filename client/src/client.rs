@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::pages;
 use crate::retry::{MAX_RETRIES, Unavailable};
 use crate::step::StepConnection;
+use crate::token;
 use bytes::Bytes;
 use futures_util::stream::BoxStream;
 use reqwest::{Method, Url, redirect};
@@ -16,12 +17,12 @@ use std::time::Duration;
 use tower::retry::RetryLayer;
 use tower::util::BoxCloneSyncService;
 use tower::{Service, ServiceBuilder, ServiceExt};
-use umwelt_api::RobotId;
 use umwelt_api::environment::Environment;
 use umwelt_api::health::Health;
 use umwelt_api::robot::{self, MAX_PAGE_SIZE, Page, PageQuery, Robot};
 use umwelt_api::stop::{Stop, StopAll};
 use umwelt_api::task::{self, Task};
+use umwelt_api::{RobotId, Token};
 
 /// Time for a call with its retries: a bad link's worst silence of 12 s is not waited out, a person asks again.
 pub const DEADLINE: Duration = Duration::from_secs(10);
@@ -46,6 +47,7 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(4);
 #[derive(Clone, Debug)]
 pub struct Client {
     address: Address,
+    token: Option<Token>,
     allowed: Duration,
     if_match: Option<Arc<str>>,
     http: reqwest::Client,
@@ -67,9 +69,10 @@ where
 }
 
 /// What all connections have in common: no delay for small packets, no proxy between a robot and its server, no
-/// redirect (it would turn PUT into GET), no retry below ours.
-pub(crate) fn http(builder: reqwest::ClientBuilder) -> reqwest::Client {
+/// redirect (it would turn PUT into GET, and take the token elsewhere), no retry below ours.
+pub(crate) fn http(builder: reqwest::ClientBuilder, token: Option<&Token>) -> reqwest::Client {
     let client = builder
+        .default_headers(token::headers(token))
         .tcp_nodelay(true)
         .connect_timeout(CONNECT_TIMEOUT)
         .no_proxy()
@@ -85,13 +88,22 @@ impl Client {
     /// # Errors
     /// [`Error::BadCall`] where `base_url` is no such address.
     pub fn new(base_url: &str) -> Result<Self, Error> {
-        let http = http(reqwest::Client::builder());
+        Self::authorized(base_url, None)
+    }
+
+    /// The same with the server's token, where it has one: every request carries it.
+    ///
+    /// # Errors
+    /// [`Error::BadCall`] where `base_url` is no such address.
+    pub fn authorized(base_url: &str, token: Option<Token>) -> Result<Self, Error> {
+        let http = http(reqwest::Client::builder(), token.as_ref());
         let attempt = {
             let http = http.clone();
             tower::service_fn(move |call| call::send(http.clone(), call))
         };
         let address = Address::read(base_url)?;
-        Ok(Self { address, allowed: DEADLINE, if_match: None, http, calls: stack(attempt) })
+        let calls = stack(attempt);
+        Ok(Self { address, token, allowed: DEADLINE, if_match: None, http, calls })
     }
 
     /// The same client with another deadline for its calls.
@@ -106,7 +118,7 @@ impl Client {
 
     /// A connection for steps. It is opened by the first step and shared with nothing else.
     pub fn step_connection(&self) -> StepConnection {
-        StepConnection::new(self.address.clone())
+        StepConnection::new(self.address.clone(), self.token.as_ref())
     }
 
     /// Describes a robot, for the first time or anew.

@@ -22,10 +22,12 @@ mod sse;
 mod step;
 #[cfg(test)]
 mod test_server;
+mod token;
 
 pub use client::{Client, DEADLINE};
 pub use error::{Error, Failure};
 pub use events::{ComparisonEvents, Events, EvolutionEvents, SILENCE};
 pub use jobs::fresh_key;
 pub use step::{MAX_REPLY, STEP_DEADLINE, StepConnection};
+pub use token::read_token;
 pub use umwelt_api as api;

@@ -5,8 +5,8 @@ use crate::call::{self, GRPC_TIMEOUT, grpc_timeout};
 use crate::error::{self, Error};
 use reqwest::header::{CONTENT_TYPE, HeaderValue};
 use std::time::Duration;
-use umwelt_api::RobotId;
 use umwelt_api::step::{Reply, Request};
+use umwelt_api::{RobotId, Token};
 
 /// A reply that is older than this drives nothing any more (the longest horizon is 2 s) and teaches no more than
 /// that it was late.
@@ -37,8 +37,8 @@ pub struct StepConnection {
 }
 
 impl StepConnection {
-    pub(crate) fn new(address: Address) -> Self {
-        Self { http: http(), address }
+    pub(crate) fn new(address: Address, token: Option<&Token>) -> Self {
+        Self { http: http(token), address }
     }
 
     /// Sends what the robot saw, gets what it is to play.
@@ -67,7 +67,7 @@ impl StepConnection {
     }
 }
 
-fn http() -> reqwest::Client {
+fn http(token: Option<&Token>) -> reqwest::Client {
     crate::client::http(
         reqwest::Client::builder()
             .http2_prior_knowledge()
@@ -78,6 +78,7 @@ fn http() -> reqwest::Client {
             .http2_initial_connection_window_size(CONNECTION_WINDOW)
             .pool_idle_timeout(None)
             .pool_max_idle_per_host(1),
+        token,
     )
 }
 

@@ -35,6 +35,7 @@ mod round_trip;
 pub mod step;
 pub mod stop;
 pub mod task;
+mod token;
 pub mod training;
 
 pub use check::Range;
@@ -43,3 +44,4 @@ pub use id::{ComparisonId, EnvironmentId, EvolutionId, InvalidId, PriorId, Robot
 pub use idempotency::{IdempotencyKey, InvalidKey, MAX_KEY};
 pub use named::Known;
 pub use problem::{ErrorBody, Problem, Problems, Status};
+pub use token::{InvalidToken, MAX_TOKEN, MIN_TOKEN, Token};

@@ -97,6 +97,16 @@ pub mod reason {
     pub const ENDED: &str = "ENDED";
     /// There is nothing to show yet.
     pub const NOTHING_YET: &str = "NOTHING_YET";
+    /// A web page of another origin asks.
+    pub const FOREIGN_ORIGIN: &str = "FOREIGN_ORIGIN";
+    /// The request names a host that this server is not known by.
+    pub const FOREIGN_HOST: &str = "FOREIGN_HOST";
+    /// A form of any web page could have sent it.
+    pub const FORM_REQUEST: &str = "FORM_REQUEST";
+    /// The request carries no token.
+    pub const TOKEN_MISSING: &str = "TOKEN_MISSING";
+    /// The token is not that of this server.
+    pub const TOKEN_WRONG: &str = "TOKEN_WRONG";
 }
 
 /// One thing that is wrong.

@@ -11,6 +11,7 @@ use umwelt_agent::drive::{Output, Sim};
 use umwelt_agent::transport::{self, Connect};
 use umwelt_agent::{Config, TraceRow, TraceSink};
 use umwelt_client::api::RobotId;
+use umwelt_client::{Client, Error, read_token};
 use umwelt_core::exchange::PoseNoise;
 use umwelt_core::geometry::Pose;
 use umwelt_core::kinematics::Drive;
@@ -53,6 +54,10 @@ pub struct Options {
         default_value = "http://127.0.0.1:8080"
     )]
     server: String,
+
+    /// File with the token of the server, where it has one; readable for the agent alone (chmod 600)
+    #[arg(long, value_name = "FILE", env = "UMWELT_TOKEN_FILE")]
+    token_file: Option<PathBuf>,
 
     /// Id of the robot, as registered with the server
     #[arg(long, value_name = "ID", env = "UMWELT_ROBOT")]
@@ -203,8 +208,7 @@ impl Options {
     pub fn plan(self) -> Result<Plan, String> {
         self.refuse_foreign()?;
         let drive = self.wheels.drive()?;
-        let connect =
-            transport::http(&self.server, self.robot.clone()).map_err(|e| e.to_string())?;
+        let connect = self.connect().map_err(|error| error.to_string())?;
         let mut config = Config { drive, duration: self.duration, ..Config::new(self.robot) };
         if self.drive == DriveKind::Pipe {
             let output = match self.pipe.output {
@@ -234,6 +238,12 @@ impl Options {
             .map_err(|error| error.to_string())?
             .with_sensor_delay(sensor_delay);
         Ok(Plan { config, connect, which: Which::Sim(Box::new(sim)) })
+    }
+
+    fn connect(&self) -> Result<Connect, Error> {
+        let token = self.token_file.as_deref().map(read_token).transpose()?;
+        let client = Client::authorized(&self.server, token)?;
+        Ok(transport::of_client(client, self.robot.clone()))
     }
 
     /// A flag that would be without effect is a mistake.
@@ -440,6 +450,7 @@ mod tests {
             (&["--min-speed", "0.5"], "--min-speed 0.5 is larger than --max-speed 0.13"),
             (&["--dead-time", "9"], "a dead time of 9 s"),
             (&["--server", "ftp://h"], "http://"),
+            (&["--token-file", "/nowhere/token"], "/nowhere/token"),
             (&["--start", "1,2"], "X,Y,HEADING"),
             (&["--trace", "/nowhere/t.csv"], "/nowhere/t.csv"),
         ] {

@@ -26,15 +26,19 @@ pub type Connect = Box<dyn Fn() -> Step + Send>;
 /// # Errors
 /// Where `server` is no address.
 pub fn http(server: &str, robot: RobotId) -> Result<Connect, Error> {
-    let client = Client::new(server)?;
-    Ok(Box::new(move || {
+    Ok(of_client(Client::new(server)?, robot))
+}
+
+/// The same to the server of `client`, with its token where it has one.
+pub fn of_client(client: Client, robot: RobotId) -> Connect {
+    Box::new(move || {
         let connection = Arc::new(client.step_connection());
         let robot = robot.clone();
         Box::new(move |request| {
             let (connection, robot) = (Arc::clone(&connection), robot.clone());
             Box::pin(async move { connection.step(&robot, &request).await })
         })
-    }))
+    })
 }
 
 /// What became of one request.

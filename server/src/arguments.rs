@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use umwelt_api::{comparison, evolution};
 use umwelt_server::offline::Order;
-use umwelt_server::{Config, Priority};
+use umwelt_server::{Config, HostName, Origin, Priority, read_token};
 
 /// Data directory where none is named.
 const DATA: &str = "umwelt-data";
@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Serve; the same as no command at all.
-    Serve(Serve),
+    Serve(Box<Serve>),
     /// Evolve a prior, without a server.
     ///
     /// The result goes to standard output, progress to standard error.
@@ -111,6 +111,27 @@ pub(crate) struct Serve {
     /// Address to listen on; port 0 takes a free one.
     #[arg(long, env = "UMWELT_LISTEN", value_name = "ADDRESS", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
+    /// File with the secret that every request must carry, in `Authorization: Bearer`; only /healthz is open without.
+    ///
+    /// One word of 16 to 256 letters, digits and -._~+/=, the same for robots and operators, who take it by the same flag.
+    /// It is read once, and needed where other machines reach the address to listen on.
+    #[arg(long, env = "UMWELT_TOKEN_FILE", value_name = "FILE", conflicts_with = "allow_insecure")]
+    token_file: Option<PathBuf>,
+    /// Listen for other machines without a token.
+    ///
+    /// Everybody who reaches the address can then drive every robot: for a network that nobody else is on.
+    #[arg(long, env = "UMWELT_ALLOW_INSECURE")]
+    allow_insecure: bool,
+    /// Name by which the server may be called, beside localhost and its addresses; may be given several times.
+    ///
+    /// Another name in `Host` is refused: a foreign one may lead here. Behind a proxy it is the name that the proxy hands on.
+    #[arg(long, env = "UMWELT_ALLOW_HOST", value_name = "NAME", value_delimiter = ',')]
+    allow_host: Vec<HostName>,
+    /// Origin whose web pages may use the server, as http://localhost:3000; may be given several times.
+    ///
+    /// Pages of all other origins but the server's own are refused whatever they ask.
+    #[arg(long, env = "UMWELT_CORS_ORIGIN", value_name = "ORIGIN", value_delimiter = ',')]
+    cors_origin: Vec<Origin>,
     /// Directory for everything that outlives the server; it is made where there is none.
     #[arg(long, env = "UMWELT_DATA", value_name = "DIR", default_value = DATA)]
     data: PathBuf,
@@ -153,6 +174,9 @@ pub(crate) struct Serve {
     /// Seconds for a connection to bring its first request, and for each request to bring its header.
     #[arg(long, env = "UMWELT_HEADER_TIMEOUT_S", value_name = "S", default_value = "10", value_parser = seconds)]
     header_timeout_s: Duration,
+    /// Seconds for which a connection of HTTP/1.1 is kept between two requests; `Keep-Alive` in answers says so.
+    #[arg(long, env = "UMWELT_IDLE_TIMEOUT_S", value_name = "S", default_value = "75", value_parser = seconds)]
+    idle_timeout_s: Duration,
     /// Seconds for the body of a request to arrive.
     #[arg(long, env = "UMWELT_BODY_TIMEOUT_S", value_name = "S", default_value = "10", value_parser = seconds)]
     body_timeout_s: Duration,
@@ -175,7 +199,7 @@ impl Arguments {
             Some(Command::Compare(compare)) => Task::Compare(Box::new(compare.order())),
             Some(Command::Backup(backup)) => Task::Backup(backup),
             Some(Command::Check(check)) => Task::Check(check),
-            Some(Command::Serve(serve)) => Task::Serve(Box::new(serve)),
+            Some(Command::Serve(serve)) => Task::Serve(serve),
             None => Task::Serve(Box::new(self.serve)),
         }
     }
@@ -183,9 +207,16 @@ impl Arguments {
 
 impl Serve {
     /// The settings of the server.
-    pub(crate) fn config(&self) -> Config {
-        Config {
+    ///
+    /// # Errors
+    /// What is wrong with the call, in words.
+    pub(crate) fn config(&self) -> Result<Config, String> {
+        let config = Config {
             listen: self.listen,
+            allow_hosts: self.allow_host.clone(),
+            cors_origins: self.cors_origin.clone(),
+            token: self.token_file.as_deref().map(read_token).transpose()?,
+            allow_insecure: self.allow_insecure,
             data: (!self.in_memory).then(|| self.data.clone()),
             keep_evolutions: self.keep_evolutions,
             max_queued_evolutions: self.max_queued_evolutions,
@@ -201,10 +232,13 @@ impl Serve {
             max_event_streams: self.max_event_streams,
             lost_after: self.lost_after_s,
             header_timeout: self.header_timeout_s,
+            idle_timeout: self.idle_timeout_s,
             body_timeout: self.body_timeout_s,
             drain: self.drain_s,
             ..Config::default()
-        }
+        };
+        config.check()?;
+        Ok(config)
     }
 }
 
@@ -239,7 +273,7 @@ mod tests {
     fn config(arguments: &[&str]) -> Option<Config> {
         let all = std::iter::once(&"umwelt-server").chain(arguments);
         match Arguments::try_parse_from(all).ok()?.task() {
-            Task::Serve(serve) => Some(serve.config()),
+            Task::Serve(serve) => serve.config().ok(),
             Task::Evolve(_) | Task::Compare(_) | Task::Backup(_) | Task::Check(_) => None,
         }
     }
@@ -286,6 +320,11 @@ mod tests {
             ["--listen", "here"],
             ["--log", "umwelt=loud"],
             ["--keep-evolutions", "-1"],
+            ["--cors-origin", "*"],
+            ["--cors-origin", "localhost:3000"],
+            ["--allow-host", "robots:8080"],
+            ["--listen", "0.0.0.0:8080"],
+            ["--token-file", "/nonexistent/token"],
             ["backup", "--data"],
         ] {
             assert_eq!(config(&wrong), None, "{wrong:?}");

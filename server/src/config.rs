@@ -1,15 +1,26 @@
 //! What can be set about a server.
 
+use crate::guard::host::HostName;
+use crate::guard::origin::Origin;
 use crate::jobs::Priority;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
+use umwelt_api::Token;
 
 /// Every setting of a server. Where nothing is said, [`Config::default`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
     /// Where to listen; port 0 takes a free one.
     pub listen: SocketAddr,
+    /// Names by which the server is called beside its address and `localhost`.
+    pub allow_hosts: Vec<HostName>,
+    /// Whose pages may use the server from a browser, beside its own.
+    pub cors_origins: Vec<Origin>,
+    /// The secret that every request must carry, but the one for liveness.
+    pub token: Option<Token>,
+    /// Whether the server may listen for other machines without a token.
+    pub allow_insecure: bool,
     /// Directory of everything that outlives the process, for one server at a time; none keeps it in memory, and it is
     /// gone with the server. `umwelt-server` itself takes `./umwelt-data` where nothing is said.
     pub data: Option<PathBuf>,
@@ -38,6 +49,8 @@ pub struct Config {
     pub lost_after: Duration,
     /// Time for a connection to bring its first request, and for each request to bring its header.
     pub header_timeout: Duration,
+    /// How long a connection of HTTP/1.1 is kept between two requests. Browsers and proxies keep theirs for a minute.
+    pub idle_timeout: Duration,
     /// Time for a body to arrive in full.
     pub body_timeout: Duration,
     /// Time for an answer where the request names none in `grpc-timeout`.
@@ -51,10 +64,36 @@ pub struct Config {
     pub close: Duration,
 }
 
+impl Config {
+    /// Whether a server may run so.
+    ///
+    /// # Errors
+    /// Where others than this machine could drive the robots without a secret; says what to do.
+    pub fn check(&self) -> Result<(), String> {
+        if self.is_local() || self.token.is_some() || self.allow_insecure {
+            return Ok(());
+        }
+        Err(format!(
+            "listening on {} lets everybody who reaches it drive every robot: name a secret with --token-file FILE, \
+             or listen on 127.0.0.1; --allow-insecure takes the risk, on a network of your own alone",
+            self.listen
+        ))
+    }
+
+    /// Whether only this machine can reach the address to listen on.
+    pub(crate) fn is_local(&self) -> bool {
+        self.listen.ip().to_canonical().is_loopback()
+    }
+}
+
 impl Default for Config {
     fn default() -> Self {
         Self {
             listen: (Ipv4Addr::LOCALHOST, 8080).into(),
+            allow_hosts: Vec::new(),
+            cors_origins: Vec::new(),
+            token: None,
+            allow_insecure: false,
             data: None,
             keep_evolutions: 200,
             max_queued_evolutions: 16,
@@ -67,11 +106,32 @@ impl Default for Config {
             max_event_streams: 256,
             lost_after: Duration::from_secs(2),
             header_timeout: Duration::from_secs(10),
+            idle_timeout: Duration::from_secs(75),
             body_timeout: Duration::from_secs(10),
             deadline: Duration::from_secs(15),
             max_deadline: Duration::from_secs(60),
             drain: Duration::from_secs(1),
             close: Duration::from_secs(2),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_this_machine_needs_no_secret() {
+        let at = |listen: &str| Config { listen: listen.parse().unwrap(), ..Config::default() };
+        for listen in ["127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "[::ffff:127.0.0.1]:1"] {
+            assert_eq!(at(listen).check(), Ok(()), "{listen}");
+        }
+        for listen in ["0.0.0.0:1", "[::]:1", "10.0.0.1:1", "[fe80::1]:1", "[::ffff:10.0.0.1]:1"] {
+            let said = at(listen).check().unwrap_err();
+            assert!(said.contains(listen) && said.contains("--token-file"), "{said}");
+            let token = Some("0123456789abcdef".parse().unwrap());
+            assert_eq!(Config { token, ..at(listen) }.check(), Ok(()));
+            assert_eq!(Config { allow_insecure: true, ..at(listen) }.check(), Ok(()));
         }
     }
 }

@@ -1,21 +1,28 @@
 //! Connections: what `axum::serve` has no knob for.
 //!
-//! A connection must bring its first request, and each request its header, within a time limit; HTTP/2 is spoken to
-//! whoever begins with it, and pinged, so that half-open connections are noticed; small replies leave at once.
+//! A connection must bring its first request, and each request its header, within a time limit; between requests it may
+//! be silent for longer, and answers say for how long; HTTP/2 is spoken to whoever begins with it, and pinged, so that
+//! half-open connections are noticed; small replies leave at once.
+
+mod patience;
 
 use crate::config::Config;
 use axum::Router;
 use axum::body::Body;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, Version, header};
+use http_body_util::BodyExt;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use hyper_util::server::conn::auto::Builder;
 use hyper_util::server::graceful::Watcher;
 use hyper_util::service::TowerToHyperService;
+use patience::{Activity, Limits, Patient};
 use socket2::{SockRef, TcpKeepalive};
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::net::TcpStream;
-use tower::ServiceExt;
+use tower::{ServiceExt, service_fn};
 
 /// Requests in flight on one HTTP/2 connection; an agent has four.
 const MAX_STREAMS: u32 = 64;
@@ -31,13 +38,35 @@ const PING: Duration = Duration::from_secs(10);
 /// follower has gone is noticed, and a follower that stops reading.
 const UNACKNOWLEDGED: Duration = Duration::from_secs(30);
 
+/// How much longer a silent connection is kept than its peer was told: what was sent in the last moment arrives.
+const GRACE: Duration = Duration::from_secs(2);
+
+const KEEP_ALIVE: HeaderName = HeaderName::from_static("keep-alive");
+
+/// How long a connection may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Times {
+    /// To bring its first request, and for each header.
+    pub(crate) first_request: Duration,
+    /// Until its next request, where it is HTTP/1.1.
+    pub(crate) idle: Duration,
+}
+
+impl Times {
+    /// Those that are set.
+    pub(crate) fn of(config: &Config) -> Self {
+        Self { first_request: config.header_timeout, idle: config.idle_timeout }
+    }
+}
+
 /// The protocols and their limits.
-pub(crate) fn builder(config: &Config) -> Builder<TokioExecutor> {
+pub(crate) fn builder() -> Builder<TokioExecutor> {
     let mut builder = Builder::new(TokioExecutor::new());
     builder
         .http1()
         .timer(TokioTimer::new())
-        .header_read_timeout(config.header_timeout)
+        // `patience` tells silence from a header that is late.
+        .header_read_timeout(None)
         .max_buf_size(4 * MAX_HEADER);
     builder
         .http2()
@@ -55,7 +84,7 @@ pub(crate) async fn serve(
     router: Router,
     builder: Arc<Builder<TokioExecutor>>,
     watcher: Watcher,
-    first_request: Duration,
+    times: Times,
 ) {
     if let Err(error) = prepare(&stream) {
         tracing::debug!(%error, "a connection was gone before it began");
@@ -63,9 +92,28 @@ pub(crate) async fn serve(
     }
     let has_begun = Arc::new(AtomicBool::new(false));
     let begun = Arc::clone(&has_begun);
-    let service = router.map_request(move |request: axum::http::Request<_>| {
+    let activity = Arc::new(Activity::default());
+    let limits = Limits { idle: times.idle + GRACE, header: times.first_request };
+    let stream = Patient::new(stream, Arc::clone(&activity), limits);
+    let keep_alive = keep_alive(times.idle);
+    let service = service_fn(move |request: Request<_>| {
         begun.store(true, Ordering::Relaxed);
-        request.map(Body::new)
+        let answering = activity.begin(request.version() == Version::HTTP_2);
+        let keep_alive = keep_alive.clone().filter(|_| is_kept(&request));
+        let answer = router.clone().oneshot(request.map(Body::new));
+        async move {
+            let mut response = answer.await?;
+            if let Some(keep_alive) = keep_alive {
+                response.headers_mut().insert(KEEP_ALIVE, keep_alive);
+            }
+            // The answer lasts as long as its body, which takes this along.
+            Ok::<_, Infallible>(response.map(|body| {
+                body.map_err(move |error| {
+                    let _of_body = &answering;
+                    error
+                })
+            }))
+        }
     });
     let connection = builder
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(service))
@@ -76,10 +124,27 @@ pub(crate) async fn serve(
                 tracing::debug!(error = %error, "a connection ended badly");
             }
         }
-        () = never_began(&has_begun, first_request) => {
+        () = never_began(&has_begun, times.first_request) => {
             tracing::debug!("a connection brought no request");
         }
     }
+}
+
+/// What tells the peer of HTTP/1.1 how long the connection is kept; none where it is kept for less than a second.
+fn keep_alive(idle: Duration) -> Option<HeaderValue> {
+    let seconds = idle.as_secs();
+    let value = HeaderValue::try_from(format!("timeout={seconds}")).ok();
+    value.filter(|_| seconds > 0)
+}
+
+/// Whether the connection of HTTP/1.1 is kept after this request.
+fn is_kept<B>(request: &Request<B>) -> bool {
+    request.version() == Version::HTTP_11 && !asks_to_close(request.headers())
+}
+
+fn asks_to_close(headers: &HeaderMap) -> bool {
+    let said = headers.get_all(header::CONNECTION).iter().filter_map(|value| value.to_str().ok());
+    said.flat_map(|text| text.split(',')).any(|word| word.trim().eq_ignore_ascii_case("close"))
 }
 
 /// Returns after `limit` where no request has come by then. hyper's own limit begins with the first bytes of

@@ -10,6 +10,9 @@ use umwelt_api::{InvalidId, RobotId};
 /// Seconds to wait before asking again, where waiting helps.
 const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");
 
+/// How to say who asks.
+const BEARER: HeaderValue = HeaderValue::from_static("Bearer");
+
 /// What a route returns.
 pub(crate) type Result<T = Response, E = Failure> = std::result::Result<T, E>;
 
@@ -89,6 +92,9 @@ impl IntoResponse for Failure {
         let mut response = answer::json(code, &body);
         if matches!(status, Status::ResourceExhausted | Status::Unavailable) {
             response.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER);
+        }
+        if status == Status::Unauthenticated {
+            response.headers_mut().insert(header::WWW_AUTHENTICATE, BEARER);
         }
         response
     }

@@ -36,6 +36,7 @@ mod failure;
 mod feed;
 mod figures;
 mod fleet;
+mod guard;
 mod jobs;
 pub mod offline;
 mod priors;
@@ -47,6 +48,7 @@ pub mod store;
 mod training;
 
 pub use config::Config;
+pub use guard::{HostName, Origin, read_token};
 pub use jobs::Priority;
 pub use serve::Server;
 pub use store::Store;

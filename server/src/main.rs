@@ -34,8 +34,16 @@ fn run(arguments: &Serve) -> ExitCode {
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .init();
+    let config = match arguments.config() {
+        Ok(config) => config,
+        Err(why) => {
+            let _ =
+                writeln!(std::io::stderr(), "error: {why}\n\nFor more information, try '--help'.");
+            return ExitCode::from(WRONG_CALL);
+        }
+    };
     let done = tokio::runtime::Runtime::new().and_then(|runtime| {
-        let done = runtime.block_on(serve(arguments.config()));
+        let done = runtime.block_on(serve(config));
         runtime.shutdown_timeout(STORE_ENDS);
         done
     });

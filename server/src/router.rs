@@ -3,6 +3,7 @@
 use crate::app::App;
 use crate::deadline;
 use crate::failure::{self, Failure};
+use crate::guard;
 use crate::routes::{
     comparisons, control, environment, environments, events, evolutions, jobs, priors, robots,
     server, tasks,
@@ -20,8 +21,16 @@ use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_core::comparison::Comparison;
 use umwelt_core::evolution::Evolution;
 
-/// The routes of `app`.
+/// The routes of `app`, and before them who may ask.
 pub(crate) fn router(app: App) -> Router {
+    // Around all the routes, since only there answers have their `Allow`.
+    Router::new()
+        .fallback_service(routes(app.clone()))
+        .layer(middleware::from_fn_with_state(app, guard::check))
+        .layer(TraceLayer::new_for_http())
+}
+
+fn routes(app: App) -> Router {
     Router::new()
         // Robots
         .route("/v1/robots", get(robots::list))
@@ -79,7 +88,6 @@ pub(crate) fn router(app: App) -> Router {
         .method_not_allowed_fallback(no_such_method)
         .layer(middleware::from_fn_with_state(app.clone(), deadline::keep))
         .layer(CatchPanicLayer::custom(panicked))
-        .layer(TraceLayer::new_for_http())
         .with_state(app)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::{App, Parts};
 use crate::config::Config;
-use crate::connection;
+use crate::connection::{self, Times};
 use crate::failure;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
@@ -44,7 +44,8 @@ impl Server {
     /// Binds a server with what its data directory holds, [`Config::data`], or in memory where there is none.
     ///
     /// # Errors
-    /// Where the address cannot be had or the data directory cannot be used; the message says what to do.
+    /// Where the address cannot be had, or is not of this machine alone and there is neither a token nor leave to do
+    /// without, or the data directory cannot be used; the message says what to do.
     pub async fn bind(config: Config) -> io::Result<Self> {
         let store: Arc<dyn Store> = match config.data.clone() {
             None => Arc::new(MemoryStore::default()),
@@ -61,6 +62,7 @@ impl Server {
     /// # Errors
     /// Where the address cannot be had or the store cannot be read.
     pub async fn with_store(config: Config, store: Arc<dyn Store>) -> io::Result<Self> {
+        config.check().map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
         let keeper = Keeper::new(store);
         let contents = keeper.load().await.map_err(io::Error::other)?;
         let listener = TcpListener::bind(config.listen).await.map_err(|error| {
@@ -68,6 +70,7 @@ impl Server {
             io::Error::new(error.kind(), message)
         })?;
         let address = listener.local_addr()?;
+        warn_of_exposure(&config);
         let feed = Feed::new();
         let pool = Arc::new(Pool::new(config.evolution_threads, config.evolution_priority)?);
         let priors = Priors::open(contents.priors.clone());
@@ -144,6 +147,25 @@ impl Server {
     }
 }
 
+/// Says in the log what the address to listen on exposes.
+fn warn_of_exposure(config: &Config) {
+    let listen = config.listen;
+    if config.is_local() {
+        return;
+    }
+    if config.token.is_some() {
+        tracing::warn!(
+            %listen,
+            "the token and all else cross the network in the clear: put a proxy with TLS or a tunnel in front"
+        );
+    } else {
+        tracing::warn!(
+            %listen,
+            "insecure, as --allow-insecure says: everybody who reaches this address can drive every robot"
+        );
+    }
+}
+
 /// Lets connections in.
 struct Door {
     router: Router,
@@ -152,7 +174,7 @@ struct Door {
     graceful: GracefulShutdown,
     places: Arc<Semaphore>,
     refusals: Arc<Semaphore>,
-    first_request: Duration,
+    times: Times,
 }
 
 impl Door {
@@ -162,11 +184,11 @@ impl Door {
             router,
             full: Router::new()
                 .fallback(move || async move { failure::limit_reached("connections", limit) }),
-            builder: Arc::new(connection::builder(config)),
+            builder: Arc::new(connection::builder()),
             graceful: GracefulShutdown::new(),
             places: Arc::new(Semaphore::new(limit.min(Semaphore::MAX_PERMITS))),
             refusals: Arc::new(Semaphore::new(REFUSALS)),
-            first_request: config.header_timeout,
+            times: Times::of(config),
         }
     }
 
@@ -192,7 +214,7 @@ impl Door {
                 router.clone(),
                 Arc::clone(&self.builder),
                 self.graceful.watcher(),
-                self.first_request,
+                self.times,
             );
             tokio::spawn(async move {
                 // Cut off where it lasts longer.

@@ -67,6 +67,10 @@ fn written(event: &Event) -> Option<sse::Event> {
 pub(super) fn last_event_id(headers: &HeaderMap) -> Result<Option<u64>, Failure> {
     let Some(value) = headers.get("last-event-id") else { return Ok(None) };
     let text = value.to_str().unwrap_or_default();
+    // A browser that has received none yet may say so.
+    if value.is_empty() {
+        return Ok(None);
+    }
     let id = text.parse().map_err(|_| {
         let remedy = "send the id of an event, or leave it out";
         Problems::from(Detail::new(reason::MALFORMED, "Last-Event-ID", text, remedy))

@@ -19,13 +19,15 @@ pub(crate) struct Stream {
 
 impl Stream {
     pub(crate) async fn open(api: &Api, path: &str, after: Option<u64>) -> Self {
-        let mut request = Request::builder().uri(path);
+        let mut request = Request::builder().uri(path).header("host", "localhost");
         if let Some(after) = after {
             request = request.header("last-event-id", after.to_string());
         }
         let response = api.0.clone().oneshot(request.body(Body::empty()).unwrap()).await.unwrap();
         assert_eq!(response.status(), 200);
         assert_eq!(response.headers()["content-type"], "text/event-stream");
+        assert_eq!(response.headers()["cache-control"], "no-cache");
+        assert_eq!(response.headers()["x-accel-buffering"], "no", "nginx would hold it back");
         Self { body: response.into_body().into_data_stream(), text: String::new() }
     }
 
@@ -113,6 +115,18 @@ async fn what_happens_to_a_robot_is_told_in_order() {
     assert!(ids.windows(2).all(|pair| pair[0] + 1 == pair[1]), "none is left out: {ids:?}");
     let of_robot: Vec<_> = everything.iter().filter(|event| event["robot"] == "r").collect();
     assert_eq!(of_robot[of_robot.len() - events.len()..], events.iter().collect::<Vec<_>>());
+}
+
+/// Browsers' event sources and their stand-ins send it before they have received anything.
+#[tokio::test]
+async fn an_empty_last_event_id_is_none() {
+    let api = Api::with_robot().await;
+    for path in ["/v1/events", "/v1/robots/r/events"] {
+        let request = Request::builder().uri(path).header("host", "localhost");
+        let request = request.header("last-event-id", "").body(Body::empty()).unwrap();
+        let response = api.0.clone().oneshot(request).await.unwrap();
+        assert_eq!(response.status(), 200, "{path}");
+    }
 }
 
 #[tokio::test(start_paused = true)]

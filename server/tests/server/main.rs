@@ -11,6 +11,7 @@ mod data;
 mod environments;
 mod events;
 mod evolutions;
+mod guard;
 mod kills;
 mod offline;
 mod priors;

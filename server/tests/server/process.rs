@@ -1,6 +1,6 @@
 //! The program itself: what it prints, how it ends.
 
-use crate::sockets::request;
+use crate::sockets::{request, talk};
 use std::io::{BufRead, BufReader, Read};
 use std::net::{SocketAddr, TcpListener};
 use std::process::{Child, Command, Output, Stdio};
@@ -63,4 +63,64 @@ fn a_wrong_call_is_2_and_a_failure_is_1() {
     assert_eq!(output.status.code(), Some(1));
     assert!(output.stdout.is_empty());
     assert!(String::from_utf8_lossy(&output.stderr).contains(&address));
+}
+
+/// The bug to fear: a server that the whole network can drive, started by somebody who never thought of it.
+#[tokio::test]
+async fn other_machines_are_listened_for_with_a_token_or_at_ones_own_risk() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, short) = (folder.path().join("token"), folder.path().join("short"));
+    std::fs::write(&file, "0123456789abcdef\n").unwrap();
+    std::fs::write(&short, "hunter2\n").unwrap();
+    let (file, short) = (file.to_str().unwrap(), short.to_str().unwrap());
+    let all = ["--in-memory", "--listen", "0.0.0.0:0"];
+    for (flags, word) in [
+        (&[][..], "--token-file"),
+        (&["--token-file", short], "a token has 16 to 256 characters"),
+        (&["--token-file", "/nonexistent/token"], "/nonexistent/token"),
+        (&["--token-file", file, "--allow-insecure"], "cannot be used with"),
+    ] {
+        let output = program(&[&all[..], flags].concat()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word) && !said.contains("hunter2"), "{said}");
+        assert!(output.stdout.is_empty(), "it never listened");
+    }
+    for (flags, code, word) in [
+        (["--token-file", file].as_slice(), "HTTP/1.1 401", "in the clear"),
+        (&["--allow-insecure"], "HTTP/1.1 200", "--allow-insecure"),
+    ] {
+        let (child, address) = start(program(&[&all[..], flags].concat()));
+        let near = (std::net::Ipv4Addr::LOCALHOST, address.port()).into();
+        let answer = request(near, "POST", "/v1/stop", "").await;
+        assert!(answer.starts_with(code), "{answer}");
+        let output = end(child, "-TERM");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains("WARN") && said.contains(word), "{said}");
+        assert!(!said.contains("0123456789abcdef"), "{said}");
+    }
+}
+
+#[tokio::test]
+async fn who_may_ask_can_be_said_in_the_environment() {
+    let mut command = program(&["--in-memory", "--listen", "127.0.0.1:0"]);
+    command.env("UMWELT_CORS_ORIGIN", "http://localhost:3000,https://robots.example");
+    command.env("UMWELT_ALLOW_HOST", "robots.example,lab");
+    let (child, address) = start(command);
+    let ask = |origin: &str, host: &str| {
+        format!(
+            "GET /v1/robots HTTP/1.1\r\nhost: {host}\r\norigin: {origin}\r\nconnection: close\r\n\r\n"
+        )
+    };
+    for (origin, host, code) in [
+        ("http://localhost:3000", "lab", 200),
+        ("https://robots.example", "localhost", 200),
+        ("https://robots.example", "robots.example", 200),
+        ("https://robots.example:444", "lab", 403),
+        ("http://localhost:3000", "else", 403),
+    ] {
+        let answer = talk(address, ask(origin, host).as_bytes()).await;
+        assert!(answer.starts_with(&format!("HTTP/1.1 {code}")), "{origin} {host}: {answer}");
+    }
+    assert_eq!(end(child, "-TERM").status.code(), Some(0));
 }

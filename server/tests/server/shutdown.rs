@@ -84,7 +84,7 @@ async fn a_robot_that_fetches_nothing_is_not_waited_for_any_longer() {
 async fn event_streams_end_with_the_server() {
     let Running { address, stop, ended } = run(Config { close: LONG, ..config() }).await;
     let mut stream = TcpStream::connect(address).await.unwrap();
-    stream.write_all(b"GET /v1/events HTTP/1.1\r\nhost: x\r\n\r\n").await.unwrap();
+    stream.write_all(b"GET /v1/events HTTP/1.1\r\nhost: localhost\r\n\r\n").await.unwrap();
     let mut head = [0; 12];
     stream.read_exact(&mut head).await.unwrap();
     assert_eq!(&head, b"HTTP/1.1 200");

@@ -34,7 +34,7 @@ pub(crate) async fn talk(address: SocketAddr, bytes: &[u8]) -> String {
 /// One HTTP/1.1 request on a connection of its own.
 pub(crate) async fn request(address: SocketAddr, method: &str, path: &str, body: &str) -> String {
     let length = body.len();
-    let head = format!("{method} {path} HTTP/1.1\r\nhost: x\r\nconnection: close\r\n");
+    let head = format!("{method} {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n");
     let head = format!("{head}content-type: application/json\r\ncontent-length: {length}\r\n\r\n");
     talk(address, format!("{head}{body}").as_bytes()).await
 }
@@ -74,7 +74,7 @@ async fn half_open_connections_are_refused_politely_and_make_room_in_time() {
     let limits = Config { max_connections: 4, header_timeout: SHORT, ..config() };
     let (address, _server) = serve(limits).await;
     let mut silent = Vec::new();
-    for bytes in ["", "GET / HT", "GET / HTTP/1.1\r\nhost: x\r\n", "PRI * HTTP/2.0\r\n"] {
+    for bytes in ["", "GET / HT", "GET / HTTP/1.1\r\nhost: localhost\r\n", "PRI * HTTP/2.0\r\n"] {
         let mut stream = TcpStream::connect(address).await.unwrap();
         stream.write_all(bytes.as_bytes()).await.unwrap();
         silent.push(stream);
@@ -96,7 +96,7 @@ async fn half_open_connections_are_refused_politely_and_make_room_in_time() {
 #[tokio::test]
 async fn a_body_that_does_not_come_is_not_waited_for() {
     let (address, _server) = serve(Config { body_timeout: SHORT, ..config() }).await;
-    let head = "PUT /v1/robots/r HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\n";
+    let head = "PUT /v1/robots/r HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n";
     let answer = talk(address, format!("{head}content-length: 10\r\n\r\n{{}}").as_bytes()).await;
     assert!(answer.starts_with("HTTP/1.1 408"), "{answer}");
     assert!(answer.contains("DEADLINE_EXCEEDED") && answer.contains("BODY_TIMEOUT"), "{answer}");
@@ -106,18 +106,102 @@ async fn a_body_that_does_not_come_is_not_waited_for() {
 #[tokio::test]
 async fn a_body_that_is_too_large_is_refused_before_it_is_sent() {
     let (address, _server) = serve(config()).await;
-    let head = "PUT /v1/robots/r HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\n";
+    let head = "PUT /v1/robots/r HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n";
     let answer = talk(address, format!("{head}content-length: 99999999\r\n\r\n").as_bytes()).await;
     assert!(answer.starts_with("HTTP/1.1 413"), "{answer}");
 }
 
+/// The bug to fear: clients that ask every now and then lose a request to a connection that was closed without a word.
 #[tokio::test]
-async fn a_silent_http_1_connection_between_requests_is_closed() {
-    let (address, _server) = serve(Config { header_timeout: SHORT, ..config() }).await;
-    let talk = talk(address, b"GET /healthz HTTP/1.1\r\nhost: x\r\n\r\n");
-    // hyper's own limit would be 30 s.
-    let answer = tokio::time::timeout(10 * SHORT, talk).await.expect("it is closed");
-    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+async fn a_kept_connection_of_http_1_says_how_long_it_may_be_silent_and_is_ended_after_that() {
+    let idle = Duration::from_secs(2);
+    let times = Config { header_timeout: SHORT, idle_timeout: idle, ..config() };
+    let (address, _server) = serve(times).await;
+    let mut stream = TcpStream::connect(address).await.unwrap();
+    let ask = b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n";
+    // Longer than a header may take; a connection is kept somewhat longer than it is said to be.
+    for silence in [Duration::ZERO, SHORT * 3 / 2] {
+        tokio::time::sleep(silence).await;
+        stream.write_all(ask).await.unwrap();
+        let answer = one_answer(&mut stream).await;
+        assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+        assert!(answer.contains("keep-alive: timeout=2\r\n"), "{answer}");
+    }
+    let mut rest = Vec::new();
+    let closed = tokio::time::timeout(10 * idle, stream.read_to_end(&mut rest)).await;
+    assert!(closed.is_ok() && rest.is_empty(), "it is closed in the end");
+    let closing = request(address, "GET", "/healthz", "").await;
+    assert!(!closing.contains("keep-alive"), "whoever closes needs not know: {closing}");
+}
+
+/// The bug to fear: a header that comes byte by byte holds its place for as long as silence may.
+#[tokio::test]
+async fn a_header_on_a_kept_connection_has_the_time_of_a_header() {
+    let long = Duration::from_secs(3600);
+    let times = Config { header_timeout: SHORT, idle_timeout: long, ..config() };
+    let (address, _server) = serve(times).await;
+    let mut stream = TcpStream::connect(address).await.unwrap();
+    stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n").await.unwrap();
+    assert!(one_answer(&mut stream).await.starts_with("HTTP/1.1 200"));
+    stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: loc").await.unwrap();
+    let mut rest = Vec::new();
+    let closed = tokio::time::timeout(20 * SHORT, stream.read_to_end(&mut rest)).await;
+    assert!(closed.is_ok(), "it is closed");
+    assert!(!String::from_utf8_lossy(&rest).contains("200 OK"));
+}
+
+/// One answer of `/healthz` on a connection that goes on.
+async fn one_answer(stream: &mut TcpStream) -> String {
+    let mut answer = Vec::new();
+    while !answer.ends_with(b"}") {
+        let read = stream.read_buf(&mut answer).await.unwrap();
+        assert!(read > 0, "{}", String::from_utf8_lossy(&answer));
+    }
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+/// What the router is tested for in `guard` holds over both protocols.
+#[tokio::test]
+async fn foreign_hosts_and_pages_are_refused_over_both_protocols() {
+    let (address, _server) = serve(config()).await;
+    for (head, code) in [
+        ("host: localhost", 200),
+        ("Host: LOCALHOST.:1", 200),
+        ("host: evil.example", 403),
+        ("host: localhost\r\nhost: evil.example", 400),
+        ("host: localhost\r\norigin: http://evil.example", 403),
+        ("x-no-host: 1", 400),
+    ] {
+        let ask = format!(
+            "POST /v1/stop HTTP/1.1\r\n{head}\r\ncontent-length: 0\r\nconnection: close\r\n\r\n"
+        );
+        let answer = talk(address, ask.as_bytes()).await;
+        assert!(answer.starts_with(&format!("HTTP/1.1 {code}")), "{head}: {answer}");
+    }
+    let absolute = b"GET http://evil.example/v1/robots HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n";
+    assert!(talk(address, absolute).await.starts_with("HTTP/1.1 403"));
+    let stream = TcpStream::connect(address).await.unwrap();
+    let (mut sender, connection) =
+        hyper::client::conn::http2::handshake(TokioExecutor::new(), TokioIo::new(stream))
+            .await
+            .unwrap();
+    tokio::spawn(connection);
+    for (authority, headers, code) in [
+        ("localhost:8080", &[][..], 200),
+        ("evil.example", &[], 403),
+        ("localhost", &[("origin", "http://evil.example")], 403),
+        ("localhost", &[("host", "evil.example")], 403),
+        ("localhost", &[("sec-fetch-site", "cross-site")], 403),
+    ] {
+        let mut request = Request::post(format!("http://{authority}/v1/stop"));
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let answer = sender.send_request(request.body(Body::empty()).unwrap()).await.unwrap();
+        assert_eq!(answer.status(), code, "{authority} {headers:?}");
+        assert!(answer.headers().get("keep-alive").is_none(), "HTTP/2 has none");
+        assert_eq!(answer.headers()["x-content-type-options"], "nosniff");
+    }
 }
 
 #[tokio::test]

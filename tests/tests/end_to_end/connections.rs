@@ -30,9 +30,14 @@ async fn stall(server: SocketAddr, said: &str) -> TcpStream {
 async fn half_said_requests_block_nobody_and_are_ended() {
     let server = Server::start_with(&["--header-timeout-s", "3", "--body-timeout-s", "3"]);
     let robot = describe(&server.client, "rover-7").await;
-    let body = "POST /v1/robots/rover-7/step HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 500\r\n\r\n{\"seq";
-    let kinds =
-        ["", "PO", "GET /v1/robots HTTP/1.1\r\nHost: x\r\nX-Slow: ", body, "PRI * HTTP/2.0\r\n"];
+    let body = "POST /v1/robots/rover-7/step HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 500\r\n\r\n{\"seq";
+    let kinds = [
+        "",
+        "PO",
+        "GET /v1/robots HTTP/1.1\r\nHost: localhost\r\nX-Slow: ",
+        body,
+        "PRI * HTTP/2.0\r\n",
+    ];
     let mut stalled = Vec::new();
     for said in kinds.iter().cycle().take(OF_EACH * kinds.len()) {
         stalled.push((*said, stall(server.address, said).await));

@@ -14,6 +14,7 @@ mod events;
 mod evolutions;
 mod operators;
 mod steps;
+mod tokens;
 
 use serde_json::Value;
 use umwelt_api::RobotId;
