@@ -9,6 +9,8 @@ mod keeper;
 mod memory;
 mod record;
 mod sqlite;
+mod stop_journal;
+mod stop_keeper;
 
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
@@ -16,6 +18,10 @@ pub use record::{
     Contents, JobId, JobKind, Part, Posterior, PriorSource, Record, StoredEnvironment, StoredJob,
     StoredPrior, StoredRobot,
 };
+
+pub use stop_journal::STOPS_FILE;
+pub(crate) use stop_journal::{Entry, Word, Words, open as stop_journal};
+pub(crate) use stop_keeper::StopKeeper;
 
 pub use sqlite::{Backup, BackupError, DATA_FILE, LOCK_FILE, OpenError, SqliteStore, backup};
 
