@@ -321,6 +321,7 @@ fn add_query(url: &mut Url, query: &PageQuery) {
         robot::State::Never => "never",
         robot::State::Connected => "connected",
         robot::State::Lost => "lost",
+        robot::State::Failed => "failed",
     });
     pages::add_query(url, *page_size, page_token.as_deref(), state);
 }
@@ -346,7 +347,8 @@ mod tests {
 
     #[test]
     fn every_state_is_asked_for_by_its_name_on_the_wire() {
-        for state in [robot::State::Never, robot::State::Connected, robot::State::Lost] {
+        use robot::State::{Connected, Failed, Lost, Never};
+        for state in [Never, Connected, Lost, Failed] {
             let mut url: Url = "http://h".parse().unwrap();
             add_query(&mut url, &PageQuery { state: Some(state), ..PageQuery::default() });
             let name = serde_json::to_value(state).unwrap();

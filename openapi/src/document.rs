@@ -168,8 +168,9 @@ fn control() -> Vec<Route> {
             .fails(&[400, 404]),
         Route::post("/v1/robots/{robot}/resume", "resume_robot", "Let a stopped robot go on")
             .tag("control")
+            .about("Of stops and resumes the last to arrive holds: one that a stop has overtaken has no effect.")
             .gives::<stop::Stop>(200, "It is told to go on")
-            .fails(&[400, 404]),
+            .fails(&[400, 404, 409, 503]),
         Route::post("/v1/stop", "stop_all", "Stop all robots until they are resumed")
             .tag("control")
             .gives::<stop::StopAll>(200, "All are told to rest")

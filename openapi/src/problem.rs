@@ -71,6 +71,10 @@ pub mod reason {
     pub const STORE_FAILED: &str = "STORE_FAILED";
     /// The part of the server that drove the robot failed.
     pub const TASK_DIED: &str = "TASK_DIED";
+    /// The computation of the robot does not end.
+    pub const ROBOT_FAILED: &str = "ROBOT_FAILED";
+    /// A stop came after this resume.
+    pub const OVERTAKEN: &str = "OVERTAKEN";
     /// A robot that could not be told.
     pub const NOT_TOLD: &str = "NOT_TOLD";
     /// Robots use this prior: `value` is the id of one of them.

@@ -41,6 +41,8 @@ pub enum State {
     Connected,
     /// It has sent steps and has fallen silent; its last pose stays.
     Lost,
+    /// What the server computes for it does not end: it is not answered and stops by itself.
+    Failed,
 }
 
 /// A robot as it is now.

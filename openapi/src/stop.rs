@@ -12,6 +12,10 @@ pub struct Stop {
     pub robot: RobotId,
     /// Whether it is told to rest now.
     pub stopped: bool,
+    /// Whether that is kept: false where the disk did not take it in time. It holds all the same, but a restart before
+    /// the server has made up for it would let the robot go on.
+    #[serde(default = "as_always")]
+    pub kept: bool,
 }
 
 /// The answer to stopping or resuming all robots.
@@ -22,4 +26,12 @@ pub struct StopAll {
     pub robots: usize,
     /// Whether they are told to rest now.
     pub stopped: bool,
+    /// Whether that is kept, as for one.
+    #[serde(default = "as_always")]
+    pub kept: bool,
+}
+
+/// Servers that do not say it answer only what they have tried to keep.
+fn as_always() -> bool {
+    true
 }

@@ -18,7 +18,7 @@ pub(crate) fn quoted(etag: &str) -> String {
 }
 
 /// FNV-1a, 64 bits: stable across releases, unlike the standard library's hashes.
-fn fnv_1a(bytes: &[u8]) -> u64 {
+pub(crate) fn fnv_1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
     })

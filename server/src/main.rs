@@ -13,7 +13,10 @@ use umwelt_api::problem::Detail;
 use umwelt_server::{Server, offline, store};
 
 /// Longest wait for a store that does not answer, once the server has ended.
-const STORE_ENDS: Duration = Duration::from_secs(2);
+const STORE_ENDS: Duration = Duration::from_secs(1);
+
+/// How much longer than the server may take the process lasts, whatever does not end in it.
+const LAST_RESORT: Duration = Duration::from_secs(2);
 
 /// Exit status of a call that makes no sense, as clap has it.
 const WRONG_CALL: u8 = 2;
@@ -42,7 +45,10 @@ fn run(arguments: &Serve) -> ExitCode {
             return ExitCode::from(WRONG_CALL);
         }
     };
-    let done = tokio::runtime::Runtime::new().and_then(|runtime| {
+    // Robots compute on threads of their own: nothing here waits for one of them.
+    let runtime =
+        tokio::runtime::Builder::new_multi_thread().thread_name("http").enable_all().build();
+    let done = runtime.and_then(|runtime| {
         let done = runtime.block_on(serve(config));
         runtime.shutdown_timeout(STORE_ENDS);
         done
@@ -99,6 +105,7 @@ fn said(done: Result<(), offline::Error>) -> ExitCode {
 async fn serve(config: umwelt_server::Config) -> std::io::Result<()> {
     let (mut terminate, mut interrupt) =
         (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+    let longest = config.drain + config.close + LAST_RESORT;
     let server = Server::bind(config).await?;
     say(&format!("listening on http://{}", server.local_addr()));
     let shutdown = async move {
@@ -106,8 +113,25 @@ async fn serve(config: umwelt_server::Config) -> std::io::Result<()> {
             _ = terminate.recv() => {}
             _ = interrupt.recv() => {}
         }
+        end_after(longest);
     };
     server.run(shutdown).await
+}
+
+/// Ends the process after `longest`, where it has not ended by then: a disk that hangs, or a bug, may keep threads busy
+/// that nothing can interrupt. What was acknowledged is on the disk; robots stop by themselves.
+fn end_after(longest: Duration) {
+    let watching = std::thread::Builder::new().name("last resort".to_owned()).spawn(move || {
+        std::thread::sleep(longest);
+        tracing::error!(
+            seconds = longest.as_secs_f64(),
+            "the server does not end by itself: ended"
+        );
+        std::process::exit(1);
+    });
+    if let Err(error) = watching {
+        tracing::warn!(%error, "nothing ends the server where it does not end by itself");
+    }
 }
 
 /// Says a result on standard output. Whoever reads it, a script or nobody, must not stop the program by going away.

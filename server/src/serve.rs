@@ -5,12 +5,12 @@ use crate::config::Config;
 use crate::connection::{self, Times};
 use crate::failure;
 use crate::feed::Feed;
-use crate::fleet::Fleet;
+use crate::fleet::{Fleet, Stops};
 use crate::jobs::{Jobs, Limits, Pool};
 use crate::priors::Priors;
-use crate::robot::Common;
+use crate::robot::{Common, Workers};
 use crate::router::router;
-use crate::store::{Keeper, MemoryStore, SqliteStore, Store};
+use crate::store::{Keeper, MemoryStore, SqliteStore, StopKeeper, Store, stop_journal};
 use crate::training::Environments;
 use axum::Router;
 use hyper_util::rt::TokioExecutor;
@@ -22,6 +22,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::{Instant, timeout_at};
 
 /// Connections beyond the limit that are told so at a time; those beyond these are closed without a word.
 const REFUSALS: usize = 32;
@@ -47,14 +48,18 @@ impl Server {
     /// Where the address cannot be had, or is not of this machine alone and there is neither a token nor leave to do
     /// without, or the data directory cannot be used; the message says what to do.
     pub async fn bind(config: Config) -> io::Result<Self> {
-        let store: Arc<dyn Store> = match config.data.clone() {
-            None => Arc::new(MemoryStore::default()),
-            Some(directory) => {
-                let opening = tokio::task::spawn_blocking(move || SqliteStore::open(&directory));
-                Arc::new(opening.await?.map_err(io::Error::other)?)
-            }
+        let Some(directory) = config.data.clone() else {
+            return Self::with_store(config, Arc::new(MemoryStore::default())).await;
         };
-        Self::with_store(config, store).await
+        let opening = tokio::task::spawn_blocking(move || {
+            let store = SqliteStore::open(&directory).map_err(io::Error::other)?;
+            // The directory is ours now.
+            let (journal, words) = stop_journal(&directory)?;
+            Ok::<_, io::Error>((store, journal, words))
+        });
+        let (store, journal, words) = opening.await??;
+        let journal = journal.map(StopKeeper::start).transpose()?;
+        Self::with(config, Arc::new(store), Stops { journal, words }).await
     }
 
     /// Binds a server with what `store` keeps, whatever [`Config::data`] says.
@@ -62,6 +67,10 @@ impl Server {
     /// # Errors
     /// Where the address cannot be had or the store cannot be read.
     pub async fn with_store(config: Config, store: Arc<dyn Store>) -> io::Result<Self> {
+        Self::with(config, store, Stops::default()).await
+    }
+
+    async fn with(config: Config, store: Arc<dyn Store>, stops: Stops) -> io::Result<Self> {
         config.check().map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
         let keeper = Keeper::new(store);
         let contents = keeper.load().await.map_err(io::Error::other)?;
@@ -82,8 +91,9 @@ impl Server {
             Limits { queued: config.max_queued_comparisons, kept: config.keep_comparisons };
         let comparisons = Jobs::open(limits, pool, keeper.clone(), (), &contents).await?;
         let lost_after = config.lost_after;
-        let common = Common { lost_after, feed: feed.clone(), priors: priors.clone() };
-        let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots);
+        let workers = Workers::start()?;
+        let common = Common { lost_after, feed: feed.clone(), priors: priors.clone(), workers };
+        let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots, stops);
         let parts =
             Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons };
         let app = App::new(parts);
@@ -101,8 +111,8 @@ impl Server {
     }
 
     /// Serves until `shutdown`, then drains: robots are told to rest and steps still answered until every connected
-    /// robot has fetched a stopping horizon or [`Config::drain`] has passed; then connections end in order or after
-    /// [`Config::close`].
+    /// robot has fetched a stopping horizon or [`Config::drain`] has passed; then connections, jobs and store end in
+    /// order or after [`Config::close`] together.
     ///
     /// # Errors
     /// None so far; a server that cannot go on will say why.
@@ -125,22 +135,25 @@ impl Server {
                 }
             }
         }
+        // One limit for all that is left, so that the whole takes no longer than it says.
+        let end = Instant::now() + app.config.close;
         // The last they learned; steps that are still answered teach no more than the watchdog lasts.
-        if tokio::time::timeout(app.config.close, app.fleet.save()).await.is_err() {
+        let saving = async { tokio::join!(app.fleet.save(), app.fleet.catch_up()) };
+        if timeout_at(end - app.config.close / 2, saving).await.is_err() {
             tracing::warn!(
                 "the store does not answer: the last that the robots learned is not kept"
             );
         }
         drop(listener);
         app.closing.send_replace(true);
-        if tokio::time::timeout(app.config.close, door.graceful.shutdown()).await.is_err() {
+        if timeout_at(end, door.graceful.shutdown()).await.is_err() {
             tracing::warn!("some connections did not end in time");
         }
         let jobs = async { tokio::join!(app.evolutions.closed(), app.comparisons.closed()) };
-        if tokio::time::timeout(app.config.close, jobs).await.is_err() {
+        if timeout_at(end, jobs).await.is_err() {
             tracing::warn!("a job did not stop in time; it goes on from its last checkpoint");
         }
-        if tokio::time::timeout(app.config.close, app.keeper.settle()).await.is_err() {
+        if timeout_at(end, app.keeper.settle()).await.is_err() {
             tracing::warn!("the store does not answer; what it has acknowledged is kept");
         }
         Ok(())

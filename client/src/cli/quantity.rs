@@ -70,6 +70,7 @@ pub(super) fn state(state: State) -> &'static str {
         State::Never => "never seen",
         State::Connected => "connected",
         State::Lost => "lost",
+        State::Failed => "failed",
     }
 }
 

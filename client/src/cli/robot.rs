@@ -17,7 +17,7 @@ use umwelt_api::{PriorId, RobotId};
 
 const METHODS: &[&str] = &["fixed-normal", "fixed-bad", "statistic", "bayesian"];
 const ATTRIBUTIONS: &[&str] = &["sent", "played"];
-const STATES: &[&str] = &["never", "connected", "lost"];
+const STATES: &[&str] = &["never", "connected", "lost", "failed"];
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::Output;
-use super::progress::wait;
+use super::progress::{say, wait};
 use crate::client::Client;
 use clap::Args;
 use umwelt_api::RobotId;
@@ -28,11 +28,31 @@ impl Which {
         stop: bool,
     ) -> Result<(), Failure> {
         match (self.robot, stop) {
-            (Some(robot), true) => output.result(&wait(client.stop(&robot)).await?, one),
+            (Some(robot), true) => {
+                let answer = wait(client.stop(&robot)).await?;
+                warn(answer.kept);
+                output.result(&answer, one)
+            }
             (Some(robot), false) => output.result(&wait(client.resume(&robot)).await?, one),
-            (None, true) => output.result(&wait(client.stop_all()).await?, all),
+            (None, true) => {
+                let answer = wait(client.stop_all()).await?;
+                warn(answer.kept);
+                output.result(&answer, all)
+            }
             (None, false) => output.result(&wait(client.resume_all()).await?, all),
         }
+    }
+}
+
+/// What to do where a stop holds and is not kept.
+const NOT_KEPT: &str = "warning: this stop is not on the server's disk yet: should the server restart before it is, \
+                        the robots go on. Make sure of them yourself, and see the server's log";
+
+/// Warns of a stop that would not outlive the server.
+fn warn(kept: bool) {
+    if !kept {
+        // Nobody may read it; the answer says it too.
+        say(NOT_KEPT);
     }
 }
 

@@ -295,6 +295,9 @@ fn status(robot: &Robot, task: &Task) -> String {
     match robot.state {
         State::Connected => format!("{id}: {progress}"),
         State::Never => format!("{id}: never seen, goes when its agent comes; {progress}"),
+        State::Failed => {
+            format!("{id}: the server's computation for it does not end, see its log; {progress}")
+        }
         State::Lost => {
             format!("{id}: {}, goes on when it is back; {progress}", quantity::presence(robot))
         }

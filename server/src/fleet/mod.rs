@@ -4,20 +4,23 @@
 //! kept is refused and changes nothing. Stopping is the other way round: it must work whatever the store does.
 //! A change once begun runs to its end, even if the caller has gone.
 
+mod keeping;
 mod saving;
 mod stop;
 
 use crate::condition::Condition;
 use crate::config::Config;
 use crate::failure::{self, Failure};
-use crate::robot::{Command, Common, Robot};
-use crate::store::{Change, Keeper, Posterior, Record, StoredRobot};
+use crate::robot::{Arrivals, Brake, Command, Common, Robot};
+use crate::store::{Change, Keeper, Posterior, Record, StopKeeper, StoredRobot};
+pub(crate) use keeping::Stops;
+use keeping::Unkept;
 use saving::Saver;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Bound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
-use tokio::sync::Mutex;
+use tokio::sync::{Mutex, Notify};
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
 use umwelt_core::controller::settings::Settings;
@@ -43,8 +46,16 @@ struct Inner {
     keeper: Keeper,
     /// What was last kept of what the robots learn.
     saver: Mutex<Saver>,
-    /// Robots that were stopped when that could not be kept.
-    unkept: std::sync::Mutex<BTreeSet<RobotId>>,
+    /// Gives stops and resumes their places.
+    arrivals: Arrivals,
+    /// The highest place that an earlier run of the server has written down.
+    earlier: u64,
+    /// Where stops and resumes are kept at once; none where there is only the store.
+    journal: Option<StopKeeper>,
+    /// What of them the store has still to take in.
+    unkept: std::sync::Mutex<Unkept>,
+    /// Wakes the one who brings it there.
+    behind: Arc<Notify>,
     /// The highest revision that a record ever had.
     revision: AtomicU64,
     common: Common,
@@ -59,23 +70,32 @@ impl Fleet {
         keeper: Keeper,
         common: Common,
         robots: Vec<StoredRobot>,
+        stops: Stops,
     ) -> Self {
+        let earlier = stops.words.newest();
+        let unkept = Unkept::of(&stops.words, robots.iter().map(|robot| robot.id.clone()));
         let revision = robots.iter().map(|robot| robot.record.revision).max();
         let fleet = Self(Arc::new(Inner {
             robots: RwLock::default(),
             creating: Mutex::default(),
             keeper,
             saver: Mutex::default(),
-            unkept: std::sync::Mutex::default(),
+            arrivals: Arrivals::after(earlier),
+            earlier: earlier.max(1),
+            journal: stops.journal.clone(),
+            unkept: std::sync::Mutex::new(unkept),
+            behind: Arc::default(),
             revision: AtomicU64::new(revision.unwrap_or(0)),
             common,
             max_robots: config.max_robots,
             draining: AtomicBool::new(false),
         }));
-        for StoredRobot { id, record, saved } in robots {
-            fleet.insert(id, record, saved);
+        for StoredRobot { id, mut record, saved } in robots {
+            stops.merge(&id, &mut record);
+            fleet.insert(id, record, saved, None);
         }
         saving::start(&fleet);
+        keeping::start(&fleet);
         fleet
     }
 
@@ -139,7 +159,7 @@ impl Fleet {
         let prior = prior.clone();
         let record = Record { settings, prior, task: None, stopped: false, revision };
         self.keep(id, &record, None).await?;
-        Ok(Some((self.insert(id.clone(), record, None), Put::Created)))
+        Ok(Some((self.insert(id.clone(), record, None, None), Put::Created)))
     }
 
     async fn replace(
@@ -154,15 +174,18 @@ impl Fleet {
         if snapshot.is_removed() {
             return Ok(None);
         }
+        robot.is_not_stuck()?;
         condition.check(Some(snapshot.etag()))?;
         let revision = self.next_revision();
-        let record = Record { settings, prior: prior.clone(), revision, ..snapshot.record() };
+        let record = Record { settings, prior: prior.clone(), revision, ..robot.record() };
         if !robot.is_alive() {
             // Its task has died. Somebody describes it anew, so it may drive again; followers begin anew. What it
             // learned may be what it died of.
             self.keep(robot.id(), &record, None).await?;
             robot.ring().close();
-            return Ok(Some((self.insert(robot.id().clone(), record, None), Put::Replaced)));
+            // A stop that comes meanwhile comes to the one brake.
+            let brake = Some(Arc::clone(robot.brake()));
+            return Ok(Some((self.insert(robot.id().clone(), record, None, brake), Put::Replaced)));
         }
         let saved = snapshot.saved_after(|controller| controller.replace_settings(settings));
         self.keep(robot.id(), &record, Some(saved)).await?;
@@ -180,14 +203,16 @@ impl Fleet {
         let fleet = self.clone();
         to_the_end(async move {
             fleet.accepts_changes()?;
-            let (_writing, snapshot) = robot.change().await?;
+            let (_writing, snapshot) = robot.lock().await?;
             condition.check(Some(snapshot.etag()))?;
             let id = robot.id().clone();
             fleet.0.keeper.commit(vec![Change::DeleteRobot(id)]).await?;
             let told = robot.tell(Command::Remove).await;
+            fleet.forget_words(&robot).await;
             fleet.0.robots.write().unwrap_or_else(PoisonError::into_inner).remove(robot.id());
-            // A task that has died cannot be told; the robot is gone all the same.
-            told.or_else(|failure| if robot.is_alive() { Err(failure) } else { Ok(()) })
+            // A task that has died cannot be told, nor one whose computation does not end; the robot is gone all the same.
+            robot.ring().close();
+            if robot.unable().is_some() { Ok(()) } else { told }
         })
         .await
     }
@@ -243,7 +268,7 @@ impl Fleet {
             Some(task) => controller.set_task(task),
             None => controller.cancel_task(),
         });
-        let record = Record { task: task.clone(), revision, ..snapshot.record() };
+        let record = Record { task: task.clone(), revision, ..robot.record() };
         self.keep(robot.id(), &record, Some(saved)).await?;
         robot.tell(Command::ChangeTask { task, revision }).await?;
         Ok(snapshot.task_etag().is_some())
@@ -258,9 +283,15 @@ impl Fleet {
         if self.is_draining() { Err(failure::draining()) } else { Ok(()) }
     }
 
-    fn insert(&self, id: RobotId, record: Record, saved: Option<Saved>) -> Arc<Robot> {
+    fn insert(
+        &self,
+        id: RobotId,
+        record: Record,
+        saved: Option<Saved>,
+        brake: Option<Arc<Brake>>,
+    ) -> Arc<Robot> {
         let common = self.0.common.clone();
-        let robot = Arc::new(Robot::spawn(id.clone(), record, saved, common));
+        let robot = Arc::new(Robot::spawn(id.clone(), record, saved, brake, common));
         let mut robots = self.0.robots.write().unwrap_or_else(PoisonError::into_inner);
         robots.insert(id, Arc::clone(&robot));
         robot
@@ -299,13 +330,19 @@ mod tests {
     use super::*;
     use crate::feed::Feed;
     use crate::priors::Priors;
+    use crate::robot::Workers;
     use crate::store::MemoryStore;
+    use std::time::Duration;
+    use umwelt_api::problem::reason;
+    use umwelt_api::robot::State;
+    use umwelt_core::exchange::Request;
 
     fn empty() -> Fleet {
         let keeper = Keeper::new(Arc::new(MemoryStore::default()));
         let (lost_after, feed) = (Config::default().lost_after, Feed::new());
-        let common = Common { lost_after, feed, priors: Priors::default() };
-        Fleet::open(&Config::default(), keeper, common, Vec::new())
+        let workers = Workers::start().unwrap();
+        let common = Common { lost_after, feed, priors: Priors::default(), workers };
+        Fleet::open(&Config::default(), keeper, common, Vec::new(), Stops::default())
     }
 
     #[tokio::test]
@@ -320,9 +357,68 @@ mod tests {
             .unwrap();
         assert_eq!(put, Put::Replaced);
         assert!(robot.is_alive());
-        assert_eq!(fleet.stop_all().await, Ok(1));
+        assert_eq!(fleet.stop_all().await, Ok((1, true)));
         fleet.delete(robot, Condition::default()).await.unwrap();
         assert!(fleet.find(dead.id()).is_none());
+    }
+
+    /// The bugs to fear: one robot whose computation does not end takes the server with it, cannot be stopped, or cannot
+    /// be removed; and as many of them as there are threads hold up all others.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 1)]
+    async fn robots_that_compute_for_ever_hold_up_nobody_and_can_be_stopped() {
+        let fleet = empty();
+        let mut robots = Vec::new();
+        for id in ["a", "b", "c", "d", "e", "well"] {
+            let (id, settings) = (id.parse().unwrap(), Settings::default());
+            robots.push(fleet.put(id, settings, None, Condition::default()).await.unwrap().0);
+        }
+        let well = robots.pop().unwrap();
+        let mut releases = Vec::new();
+        for robot in &robots {
+            robot.step(step(1), 7).await.unwrap();
+            let (release, released) = std::sync::mpsc::channel::<()>();
+            robot.compute(move || {
+                let _ = released.recv();
+            });
+            releases.push(release);
+        }
+        // Whoever waits for such a robot hears that it has failed, and so does whoever comes later.
+        for _ in 0..2 {
+            for robot in &robots {
+                let refused = format!("{:?}", robot.step(step(2), 7).await.unwrap_err());
+                assert!(refused.contains(reason::ROBOT_FAILED), "{refused}");
+            }
+        }
+        assert_eq!(robots[0].snapshot().state(), State::Failed);
+        assert!(well.step(step(1), 7).await.is_ok());
+        assert_eq!(well.snapshot().state(), State::Connected);
+        let task = Task::thesis();
+        for robot in &robots {
+            let put = fleet.put_task(Arc::clone(robot), task.clone(), Condition::default()).await;
+            assert!(format!("{:?}", put.unwrap_err()).contains(reason::ROBOT_FAILED));
+        }
+        // All of them are told; the others rest at once, these as soon as they can.
+        assert_eq!(fleet.stop_all().await, Ok((6, true)));
+        assert!(robots[0].snapshot().robot(robots[0].id(), tokio::time::Instant::now()).stopped);
+        assert!(well.step(step(2), 7).await.unwrap().stopped);
+        let resumed = fleet.resume(Arc::clone(&robots[0])).await;
+        assert!(format!("{:?}", resumed.unwrap_err()).contains(reason::ROBOT_FAILED));
+        fleet.delete(robots.pop().unwrap(), Condition::default()).await.unwrap();
+        assert!(fleet.find(&"e".parse().unwrap()).is_none());
+        // The server can end although they do not.
+        fleet.drain().await;
+        drop(releases);
+        for robot in &robots {
+            while robot.has_failed() {
+                tokio::time::sleep(Duration::from_millis(10)).await;
+            }
+            let reply = robot.step(step(3), 7).await.unwrap();
+            assert!(reply.stopped, "it goes on where it was, and heard the stop");
+        }
+    }
+
+    fn step(sequence: u64) -> Request {
+        Request { sequence, sent: sequence as f64, ..Request::EMPTY }
     }
 
     #[tokio::test]

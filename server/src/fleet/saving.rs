@@ -31,7 +31,6 @@ pub(super) fn start(fleet: &Fleet) {
             let Some(inner) = fleet.upgrade() else { return };
             let fleet = Fleet(inner);
             fleet.save().await;
-            fleet.keep_stops().await;
             fleet.0.keeper.probe(IDLE).await;
         }
     });

@@ -1,94 +1,90 @@
 //! Stopping and going on, one robot or all, and the stop of all when the server ends.
+//!
+//! The last word wins: each request takes its place when it arrives ([`Arrival`]). A stop acts first and is kept then;
+//! a resume is kept first and acts then, unless a stop has come meanwhile (`keeping` says how they are kept).
 
 use super::{Fleet, to_the_end};
 use crate::failure::Failure;
-use crate::robot::{Command, Robot};
-use crate::store::Record;
+use crate::robot::{Arrival, Command, Robot};
 use futures_util::future::join_all;
-use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, MutexGuard, PoisonError};
 use std::time::Duration;
 use tokio::time::timeout;
-use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, MAX_DETAILS, Status, reason};
 
-/// Longest wait for one robot where all are told something: a robot whose task hangs must not hide
-/// that the others were told.
-const TELL_ALL: Duration = Duration::from_secs(1);
-
-/// Longest wait for the store before a stop is acknowledged: well below [`TELL_ALL`], or a store that hangs
-/// would make a stop of all look as if it had failed.
-const KEEP_STOP: Duration = Duration::from_millis(300);
+/// Longest wait until robots that may go on show it: it holds all the same.
+const SHOW: Duration = Duration::from_secs(1);
 
 impl Fleet {
-    /// Stops a robot. It rests whatever the store does; where the store does not keep it, or not soon, it is
-    /// logged, and tried again until it is kept: before that, a restart would let the robot go on.
-    pub(crate) async fn stop(&self, robot: Arc<Robot>) -> Result<(), Failure> {
-        robot.tell(Command::Stop).await?;
-        let (fleet, id) = (self.clone(), robot.id().clone());
-        let keeping = to_the_end(async move {
-            let _writing = robot.writing.lock().await;
-            fleet.keep_as_it_is(&robot).await
-        });
-        match timeout(KEEP_STOP, keeping).await {
-            Ok(Ok(())) => return Ok(()),
-            Ok(Err(failure)) => {
-                tracing::warn!(robot = %id, ?failure, "stopped, but the store does not keep it");
-            }
-            Err(_) => tracing::warn!(robot = %id, "stopped, but the store does not answer"),
-        }
-        self.unkept().insert(id);
-        Ok(())
+    /// Stops a robot. It rests from its next exchange on, whatever its task and the store do. Returns whether that is
+    /// kept: where it is not, a restart now would let the robot go on.
+    pub(crate) async fn stop(&self, robot: Arc<Robot>) -> Result<bool, Failure> {
+        let kept = self.stop_these(vec![Arc::clone(&robot)], self.0.arrivals.next()).await;
+        if robot.is_alive() { Ok(kept) } else { Err(robot.ended()) }
     }
 
-    /// Keeps the stops that could not be kept when they came.
-    pub(super) async fn keep_stops(&self) {
-        let unkept = std::mem::take(&mut *self.unkept());
-        for robot in unkept.iter().filter_map(|id| self.find(id)) {
-            let _writing = robot.writing.lock().await;
-            match self.keep_as_it_is(&robot).await {
-                Ok(()) => tracing::info!(robot = %robot.id(), "that it is stopped is kept now"),
-                Err(_) => drop(self.unkept().insert(robot.id().clone())),
-            }
-        }
-    }
-
-    fn unkept(&self) -> MutexGuard<'_, BTreeSet<RobotId>> {
-        // A set of ids is whole whatever happened behind the lock.
-        self.0.unkept.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Stops all robots there are. Returns their number, and whether that is kept.
+    pub(crate) async fn stop_all(&self) -> Result<(usize, bool), Failure> {
+        // First its place, then the robots: one that comes later is not meant.
+        let arrival = self.0.arrivals.next();
+        let robots = self.robots(None);
+        let kept = self.stop_these(robots.clone(), arrival).await;
+        let count = robots.len();
+        // One whose computation does not end was told: it rests once it ends.
+        let missed: Vec<_> = robots.into_iter().filter(|robot| !robot.is_alive()).collect();
+        not_told(count, missed)?;
+        Ok((count, kept))
     }
 
     /// Lets a stopped robot go on.
     pub(crate) async fn resume(&self, robot: Arc<Robot>) -> Result<(), Failure> {
-        let fleet = self.clone();
+        let (fleet, arrival) = (self.clone(), self.0.arrivals.next());
         to_the_end(async move {
             fleet.accepts_changes()?;
-            let (_writing, snapshot) = robot.change().await?;
-            let record = Record { stopped: false, ..snapshot.record() };
-            fleet.keep(robot.id(), &record, None).await?;
-            fleet.unkept().remove(robot.id());
-            robot.tell(Command::Resume).await
+            if let Some(failure) = robot.unable() {
+                return Err(failure);
+            }
+            overtaken(&fleet.resume_these(vec![robot], arrival).await?)
         })
         .await
     }
 
-    /// Stops all robots there are. Returns their number.
-    pub(crate) async fn stop_all(&self) -> Result<usize, Failure> {
-        let told = self.robots(None).into_iter().map(|robot| async move {
-            let done = timeout(TELL_ALL, self.stop(Arc::clone(&robot))).await;
-            (robot, done.unwrap_or_else(|_| Err(too_slow())))
-        });
-        all_told(join_all(told).await)
-    }
-
     /// Lets all stopped robots go on. Returns the number of robots.
     pub(crate) async fn resume_all(&self) -> Result<usize, Failure> {
-        let told = self.robots(None).into_iter().map(|robot| async move {
-            let done = timeout(TELL_ALL, self.resume(Arc::clone(&robot))).await;
-            (robot, done.unwrap_or_else(|_| Err(too_slow())))
-        });
-        all_told(join_all(told).await)
+        let (fleet, arrival) = (self.clone(), self.0.arrivals.next());
+        to_the_end(async move {
+            fleet.accepts_changes()?;
+            let robots = fleet.robots(None);
+            let count = robots.len();
+            let (able, unable): (Vec<_>, Vec<_>) =
+                robots.into_iter().partition(|robot| robot.unable().is_none());
+            let resumed = fleet.resume_these(able, arrival).await;
+            overtaken(&resumed.map_err(|failure| none_goes_on(count, &failure))?)?;
+            not_told(count, unable)?;
+            Ok(count)
+        })
+        .await
+    }
+
+    /// Stops `robots` at once and keeps it; returns whether it is kept.
+    async fn stop_these(&self, mut robots: Vec<Arc<Robot>>, arrival: Arrival) -> bool {
+        // One that a later resume has let go on already is not stopped by this any more.
+        robots.retain(|robot| robot.stop(arrival).is_stopped());
+        self.keep_stops(robots, arrival).await
+    }
+
+    /// Lets `robots` go on once that is kept. Returns those that a stop has overtaken, which rest.
+    async fn resume_these(
+        &self,
+        robots: Vec<Arc<Robot>>,
+        arrival: Arrival,
+    ) -> Result<Vec<Arc<Robot>>, Failure> {
+        let overtaken = self.keep_and_resume(&robots, arrival).await?;
+        // It holds already; that it shows when it is answered is a courtesy.
+        let shown = robots.iter().map(|robot| robot.tell(Command::Obey));
+        let _ = timeout(SHOW, join_all(shown)).await;
+        Ok(overtaken)
     }
 
     /// Begins to shut down: changes are refused, every robot is told to rest. Returns once each connected one has
@@ -102,33 +98,41 @@ impl Fleet {
         });
         join_all(drained).await;
     }
+}
 
-    async fn keep_as_it_is(&self, robot: &Robot) -> Result<(), Failure> {
-        let snapshot = robot.snapshot();
-        if snapshot.is_removed() {
-            return Ok(());
-        }
-        self.keep(robot.id(), &snapshot.record(), None).await
+/// What it means that a later stop has overtaken the resume of `robots`.
+fn overtaken(robots: &[Arc<Robot>]) -> Result<(), Failure> {
+    if robots.is_empty() {
+        return Ok(());
     }
+    let message = match robots {
+        [robot] => format!("robot {} rests: a stop has come after this resume", robot.id()),
+        _ => format!("{} robots rest: a stop has come after this resume", robots.len()),
+    };
+    let named = robots.iter().take(MAX_DETAILS);
+    Err(named.fold(Failure::new(Status::Aborted, message), |failure, robot| {
+        let remedy = "find out who stopped it and why, then resume again";
+        failure.with(Detail::new(reason::OVERTAKEN, "robot", robot.id().as_str(), remedy))
+    }))
 }
 
-fn too_slow() -> Failure {
-    Failure::new(Status::DeadlineExceeded, format!("no answer within {} s", TELL_ALL.as_secs_f64()))
+/// What it means that none of `count` robots goes on, since that could not be kept.
+fn none_goes_on(count: usize, why: &Failure) -> Failure {
+    let message = format!("none of {count} robots goes on: {}", why.message());
+    let remedy = "nothing was changed: they rest; ask again";
+    let detail = Detail::new(reason::STORE_FAILED, "", (), remedy);
+    Failure::new(Status::Unavailable, message).with(detail)
 }
 
-/// How many robots were told, or those that were not.
-fn all_told(told: Vec<(Arc<Robot>, Result<(), Failure>)>) -> Result<usize, Failure> {
-    let count = told.len();
-    let missed: Vec<_> = told
-        .into_iter()
-        .filter(|(robot, result)| result.is_err() && !robot.snapshot().is_removed())
-        .collect();
+/// What it means that of `count` robots the `missed` ones could not be told.
+fn not_told(count: usize, mut missed: Vec<Arc<Robot>>) -> Result<(), Failure> {
+    missed.retain(|robot| !robot.snapshot().is_removed());
     if missed.is_empty() {
-        return Ok(count);
+        return Ok(());
     }
     let message = format!("{} of {count} robots could not be told", missed.len());
     let missed = missed.into_iter().take(MAX_DETAILS);
-    Err(missed.fold(Failure::new(Status::Unavailable, message), |failure, (robot, _)| {
+    Err(missed.fold(Failure::new(Status::Unavailable, message), |failure, robot| {
         let remedy = "ask again for this one";
         failure.with(Detail::new(reason::NOT_TOLD, "robot", robot.id().as_str(), remedy))
     }))

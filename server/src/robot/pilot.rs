@@ -3,14 +3,18 @@
 //! [`run`] waits, [`Pilot::apply`] changes state; neither does the other's work.
 
 use super::Common;
+use super::brake::Brake;
+use super::clock::RobotClock;
 use super::session::{Refusal, Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
+use super::stop_order::Arrival;
+use super::workers::aside;
 use crate::feed::Ring;
 use crate::store::Record;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::task::Poll;
 use std::time::Duration;
-use tokio::runtime::{Handle, RuntimeFlavor};
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::Instant;
 use umwelt_api::RobotId;
@@ -51,16 +55,28 @@ pub(crate) enum Command {
     Replace { settings: Box<Settings>, prior: Option<String>, revision: u64 },
     /// A task in place of the one before, or none any more.
     ChangeTask { task: Option<Task>, revision: u64 },
-    /// Rest until resumed.
-    Stop,
-    /// Go on.
-    Resume,
+    /// Look at the brake now: at the next step it looks anyway.
+    Obey,
     /// Forget what was learned.
     ResetEnvironment,
     /// Rest: the server shuts down.
     Drain,
     /// End.
     Remove,
+    /// Compute: as long as a bug in core would.
+    #[cfg(test)]
+    Compute(Computation),
+}
+
+/// What a test lets a robot compute.
+#[cfg(test)]
+pub(crate) struct Computation(pub(crate) Box<dyn FnOnce() + Send>);
+
+#[cfg(test)]
+impl std::fmt::Debug for Computation {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Computation")
+    }
 }
 
 /// One robot.
@@ -68,6 +84,10 @@ pub(super) struct Pilot {
     id: RobotId,
     controller: Controller,
     session: Session,
+    clock: RobotClock,
+    brake: Arc<Brake>,
+    /// The last resume that the controller has heard of.
+    resumed: Arrival,
     /// The state as it is shown, kept up to date by [`Pilot::show`].
     shown: Snapshot,
     snapshot: watch::Sender<Arc<Snapshot>>,
@@ -99,40 +119,32 @@ impl Pace {
     }
 }
 
-/// Lets events happen to the robot until it is removed or nobody holds its queue any more.
+/// Lets events happen to the robot until it is removed or nobody holds its queue any more: one each time that its turn
+/// comes, so that a robot with much to do does not hold up the others.
 pub(super) async fn run(mut pilot: Pilot, mut queue: mpsc::Receiver<Event>) {
-    loop {
-        let (silence, is_slow) = (pilot.silence(), pilot.is_slow());
-        let event = tokio::select! {
-            biased;
-            event = queue.recv() => match event {
-                Some(event) => event,
-                None => return,
-            },
-            () = until(silence) => Event::Silence,
-        };
+    while let Some(event) = queue.recv().await {
+        let is_slow = pilot.is_slow();
         let apply = || pilot.apply(event, Instant::now());
         let flow = if is_slow { aside(apply) } else { apply() };
         if flow.is_break() {
             return;
         }
+        end_of_turn().await;
     }
 }
 
-/// Does what may take tens of milliseconds without holding up the tasks that share the thread.
-fn aside<T>(work: impl FnOnce() -> T) -> T {
-    match Handle::current().runtime_flavor() {
-        RuntimeFlavor::MultiThread => tokio::task::block_in_place(work),
-        // There is one thread, and nothing to step aside to.
-        _ => work(),
-    }
-}
-
-async fn until(time: Option<Instant>) {
-    match time {
-        Some(time) => tokio::time::sleep_until(time).await,
-        None => std::future::pending().await,
-    }
+/// Lets the others have their turn.
+async fn end_of_turn() {
+    let mut has_waited = false;
+    std::future::poll_fn(|context| {
+        if has_waited {
+            return Poll::Ready(());
+        }
+        has_waited = true;
+        context.waker().wake_by_ref();
+        Poll::Pending
+    })
+    .await;
 }
 
 impl Pilot {
@@ -142,10 +154,12 @@ impl Pilot {
         saved: Option<Saved>,
         common: Common,
         ring: Arc<Ring>,
+        brake: Arc<Brake>,
     ) -> (Self, watch::Receiver<Arc<Snapshot>>) {
-        let Record { settings, prior, task, stopped, revision } = record;
+        let Record { settings, prior, task, revision, .. } = record;
+        let order = brake.order();
         let assigned = task.clone().map(Assigned::new);
-        let controller = controller(&id, settings, task, stopped, saved);
+        let controller = controller(&id, settings, task, order.is_stopped(), saved);
         let described = Described::new(settings, prior, &common.priors);
         let shown = Snapshot::of(&controller, described, assigned, revision);
         let (snapshot, receiver) = watch::channel(Arc::new(shown.clone()));
@@ -153,6 +167,9 @@ impl Pilot {
             id,
             controller,
             session: Session::default(),
+            clock: RobotClock::default(),
+            brake,
+            resumed: order.resumed(),
             shown,
             snapshot,
             common,
@@ -165,18 +182,13 @@ impl Pilot {
         (pilot, receiver)
     }
 
-    /// When the robot counts as lost if nothing comes before.
-    fn silence(&self) -> Option<Instant> {
-        let is_connected = self.shown.state == State::Connected;
-        self.shown.seen.filter(|_| is_connected).map(|seen| seen + self.common.lost_after)
-    }
-
     /// Whether a step may take tens of milliseconds: 10 000 agents of the Monte-Carlo predictor take 90 ms.
     fn is_slow(&self) -> bool {
         matches!(self.controller.settings().predictor, PredictorKind::MonteCarlo { .. })
     }
 
     fn apply(&mut self, event: Event, now: Instant) -> ControlFlow<()> {
+        self.obey_brake();
         match event {
             Event::Step { request, epoch, reply } => {
                 let result = self.step(&request, epoch, now);
@@ -186,17 +198,36 @@ impl Pilot {
             }
             Event::Command { command, done } => {
                 let flow = self.obey(command);
+                self.obey_brake();
                 self.show();
                 let _ = done.send(());
                 return flow;
             }
             Event::Silence => {
-                self.shown.state = State::Lost;
+                let is_lost = self.shown.falls_silent(self.common.lost_after) <= Some(now);
+                let is_lost = is_lost && self.shown.state == State::Connected;
+                if is_lost {
+                    self.shown.state = State::Lost;
+                }
                 self.show();
-                self.publish(Kind::Link { state: State::Lost });
+                if is_lost {
+                    self.publish(Kind::Link { state: State::Lost });
+                }
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Takes in what was said of stopping and going on since it looked last.
+    fn obey_brake(&mut self) {
+        let order = self.brake.order();
+        if order.resumed() > self.resumed && !self.draining {
+            self.resumed = order.resumed();
+            self.controller.resume();
+        }
+        if order.is_stopped() || self.draining {
+            self.controller.stop();
+        }
     }
 
     fn step(&mut self, request: &Request, epoch: u64, now: Instant) -> StepResult {
@@ -210,6 +241,7 @@ impl Pilot {
                 if verdict == Verdict::Takeover {
                     self.controller.restart_clock();
                 }
+                self.clock = RobotClock::beginning(request.sent);
                 self.publish(Kind::Epoch { epoch });
                 self.control(request, now)
             }
@@ -233,19 +265,20 @@ impl Pilot {
     fn late(&mut self, request: &Request) -> Horizon {
         let newest = self.controller.late(request);
         // What overtook it was answered, so there is a horizon; none would be said as rest, and be stale.
-        let newest = newest.unwrap_or_else(|| at_rest(request, self.controller.settings()));
-        Horizon::from(&horizon::Horizon { answers: request.sequence, ..newest })
+        let rest = || at_rest(&self.clock.request(request), self.controller.settings());
+        let newest = newest.unwrap_or_else(rest);
+        self.clock.horizon(&horizon::Horizon { answers: request.sequence, ..newest })
     }
 
     /// A new horizon, and what happened on the way to it.
     fn control(&mut self, request: &Request, now: Instant) -> Horizon {
         let (before, seen) = (self.controller.progress(), self.controller.pose());
-        let output = self.controller.step(request);
+        let output = self.controller.step(&self.clock.request(request));
         self.shown.drained |= self.draining;
         for event in output.events {
-            self.publish(kind(&event, &self.controller.progress()));
+            self.publish(kind(&event, &self.controller.progress(), self.clock));
         }
-        let horizon = Horizon::from(&output.horizon);
+        let horizon = self.clock.horizon(&output.horizon);
         let progress = self.controller.progress();
         let is_learned_due = self.learned.is_due(now);
         let has_turned = (before.stage, before.leg) != (progress.stage, progress.leg);
@@ -259,7 +292,7 @@ impl Pilot {
         if self.motion.is_due(now) {
             let pose = self.controller.pose();
             if let Some(pose) = pose.filter(|_| pose != seen) {
-                self.publish(Kind::Pose(pose.into()));
+                self.publish(Kind::Pose(self.clock.observation(pose).into()));
             }
             self.publish(Kind::Horizon(horizon.clone()));
         }
@@ -283,18 +316,17 @@ impl Pilot {
                 }
                 self.publish(Kind::Task(self.controller.progress().into()));
             }
-            Command::Stop => self.stop(),
-            Command::Resume => {
-                if self.controller.is_stopped() && !self.draining {
-                    self.controller.resume();
-                    self.publish(Kind::Resumed);
-                }
-            }
+            // Before each event and after it, it looks.
+            Command::Obey => {}
             Command::ResetEnvironment => self.controller.reset_environment(),
             Command::Drain => {
                 self.draining = true;
-                self.stop();
+                if !self.controller.is_stopped() {
+                    self.publish(Kind::Stopped);
+                }
             }
+            #[cfg(test)]
+            Command::Compute(Computation(compute)) => compute(),
             Command::Remove => {
                 self.shown.removed = true;
                 self.publish(Kind::Removed);
@@ -305,13 +337,6 @@ impl Pilot {
         ControlFlow::Continue(())
     }
 
-    fn stop(&mut self) {
-        if !self.controller.is_stopped() {
-            self.controller.stop();
-            self.publish(Kind::Stopped);
-        }
-    }
-
     /// Shows the robot as it is now.
     fn show(&mut self) {
         let shown = &mut self.shown;
@@ -319,7 +344,8 @@ impl Pilot {
         shown.stopped = self.controller.is_stopped();
         shown.epoch = self.session.epoch();
         // A takeover forgets the pose with the clock; the last one known stays on show.
-        shown.pose = self.controller.pose().or(shown.pose);
+        let pose = self.controller.pose().map(|pose| self.clock.observation(pose));
+        shown.pose = pose.or(shown.pose);
         shown.saved = self.controller.saved();
         self.snapshot.send_replace(Arc::new(shown.clone()));
     }
@@ -368,10 +394,10 @@ fn at_rest(request: &Request, settings: &Settings) -> horizon::Horizon {
 }
 
 /// What the wire says of an event of the controller.
-fn kind(event: &controller::Event, progress: &Progress) -> Kind {
+fn kind(event: &controller::Event, progress: &Progress, clock: RobotClock) -> Kind {
     match *event {
         controller::Event::PoseSetAside { observation, .. } => {
-            Kind::PoseSetAside(observation.into())
+            Kind::PoseSetAside(clock.observation(observation).into())
         }
         controller::Event::PosesBelievedAgain => Kind::PoseBelievedAgain,
         controller::Event::CalibrationEnded => Kind::CalibrationEnded,

@@ -4,6 +4,7 @@ use crate::etag;
 use crate::priors::Priors;
 use crate::store::{Posterior, Record};
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::time::Instant;
 use umwelt_api::RobotId;
 use umwelt_api::environment::{self, Environment};
@@ -100,6 +101,26 @@ impl Snapshot {
         }
     }
 
+    /// When the robot counts as lost if nothing comes before; none where it is not heard from now.
+    pub(super) fn falls_silent(&self, lost_after: Duration) -> Option<Instant> {
+        self.seen.filter(|_| self.state == State::Connected).map(|seen| seen + lost_after)
+    }
+
+    /// The same where its computation does not end.
+    pub(super) fn failed(&self) -> Self {
+        Self { state: State::Failed, ..self.clone() }
+    }
+
+    /// The same where it was told to stop, or to go on, and its task has not looked yet.
+    pub(super) fn told(&self, stopped: bool) -> Self {
+        Self { stopped, ..self.clone() }
+    }
+
+    /// Whether the robot rests, or is to go on.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
     /// The same where the robot's task has died: nobody hears the robot any more.
     pub(super) fn without_task(&self) -> Self {
         let state = if self.state == State::Connected { State::Lost } else { self.state };
@@ -136,14 +157,14 @@ impl Snapshot {
         self.drained || self.state != State::Connected
     }
 
-    /// What is to be kept of it.
-    pub(crate) fn record(&self) -> Record {
+    /// What is to be kept of it, where it is to be `stopped` after a restart or not.
+    pub(crate) fn record(&self, stopped: bool) -> Record {
         let task = self.assigned.as_ref().map(|assigned| (*assigned.task).clone());
         Record {
             settings: self.described.settings,
             prior: self.prior().map(str::to_owned),
             task,
-            stopped: self.stopped,
+            stopped,
             revision: self.revision,
         }
     }

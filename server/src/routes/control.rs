@@ -18,25 +18,25 @@ pub(crate) async fn step(Known(robot): Known, Body(body): Body<MAX_BODY>) -> Res
 }
 
 pub(crate) async fn stop(State(app): State<App>, Known(robot): Known) -> Result {
-    app.fleet.stop(robot.clone()).await?;
-    Ok(told(&robot, true))
+    let kept = app.fleet.stop(robot.clone()).await?;
+    Ok(told(&robot, true, kept))
 }
 
 pub(crate) async fn resume(State(app): State<App>, Known(robot): Known) -> Result {
     app.fleet.resume(robot.clone()).await?;
-    Ok(told(&robot, false))
+    Ok(told(&robot, false, true))
 }
 
 pub(crate) async fn stop_all(State(app): State<App>) -> Result {
-    let robots = app.fleet.stop_all().await?;
-    Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: true }))
+    let (robots, kept) = app.fleet.stop_all().await?;
+    Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: true, kept }))
 }
 
 pub(crate) async fn resume_all(State(app): State<App>) -> Result {
     let robots = app.fleet.resume_all().await?;
-    Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: false }))
+    Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: false, kept: true }))
 }
 
-fn told(robot: &Robot, stopped: bool) -> axum::response::Response {
-    answer::json(StatusCode::OK, &Stop { robot: robot.id().clone(), stopped })
+fn told(robot: &Robot, stopped: bool, kept: bool) -> axum::response::Response {
+    answer::json(StatusCode::OK, &Stop { robot: robot.id().clone(), stopped, kept })
 }

@@ -9,6 +9,8 @@ mod keeper;
 mod memory;
 mod record;
 mod sqlite;
+mod stop_journal;
+mod stop_keeper;
 
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
@@ -21,6 +23,9 @@ pub use sqlite::{
     Backup, BackupError, Checked, DATA_FILE, Damage, LOCK_FILE, OpenError, SqliteStore, backup,
     check,
 };
+pub use stop_journal::STOPS_FILE;
+pub(crate) use stop_journal::{Entry, Word, Words, open as stop_journal};
+pub(crate) use stop_keeper::StopKeeper;
 
 use umwelt_api::RobotId;
 

@@ -177,7 +177,10 @@ async fn a_stopped_robot_gets_a_horizon_that_ends_at_rest_until_it_is_resumed() 
     for sequence in 1..=20 {
         api.step(step(7, sequence, 10.0 + 0.03 * sequence as f64, 0.0)).await;
     }
-    assert_eq!(api.post("/v1/stop").await.json(), json!({"robots": 2, "stopped": true}));
+    assert_eq!(
+        api.post("/v1/stop").await.json(),
+        json!({"robots": 2, "stopped": true, "kept": true})
+    );
     let reply = api.step(step(7, 21, 10.63, 0.0)).await.json();
     assert_eq!(reply["stopped"], true);
     let last = reply["horizon"]["wheel_speeds"].as_array().unwrap().last().unwrap().clone();
@@ -187,14 +190,17 @@ async fn a_stopped_robot_gets_a_horizon_that_ends_at_rest_until_it_is_resumed() 
     assert_eq!(robot["task"]["legs"], 1, "the task is kept");
 
     let resumed = api.post("/v1/robots/r/resume").await.json();
-    assert_eq!(resumed, json!({"robot": "r", "stopped": false}));
+    assert_eq!(resumed, json!({"robot": "r", "stopped": false, "kept": true}));
     assert_eq!(api.get("/v1/robots/s").await.json()["stopped"], true);
     let moves = |reply: &Value| {
         let speeds = reply["horizon"]["wheel_speeds"].as_array().unwrap().clone();
         speeds.iter().any(|speeds| speeds["left_rad_per_s"] != 0.0)
     };
     assert!(moves(&api.step(step(7, 22, 10.66, 0.0)).await.json()));
-    assert_eq!(api.post("/v1/resume").await.json(), json!({"robots": 2, "stopped": false}));
+    assert_eq!(
+        api.post("/v1/resume").await.json(),
+        json!({"robots": 2, "stopped": false, "kept": true})
+    );
     assert_eq!(api.get("/v1/robots/s").await.json()["stopped"], false);
 }
 
