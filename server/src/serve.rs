@@ -79,7 +79,7 @@ impl Server {
             io::Error::new(error.kind(), message)
         })?;
         let address = listener.local_addr()?;
-        warn_of_exposure(&config);
+        warn_of_exposure(&config, address);
         let feed = Feed::new();
         let pool = Arc::new(Pool::new(config.evolution_threads, config.evolution_priority)?);
         let priors = Priors::open(contents.priors.clone());
@@ -161,8 +161,7 @@ impl Server {
 }
 
 /// Says in the log what the address to listen on exposes.
-fn warn_of_exposure(config: &Config) {
-    let listen = config.listen;
+fn warn_of_exposure(config: &Config, listen: SocketAddr) {
     if config.is_local() {
         return;
     }

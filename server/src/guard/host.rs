@@ -81,7 +81,8 @@ fn malformed(given: &str) -> Failure {
 
 fn foreign(given: &str, host: &HostName) -> Failure {
     let remedy = format!(
-        "call the server by its address or as localhost, or start it with --allow-host {host}"
+        "call the server by its address or as localhost; if {host} is a name of yours for it, start it with \
+         --allow-host {host}"
     );
     Failure::new(Status::PermissionDenied, "this server is not known by that host")
         .with(Detail::new(reason::FOREIGN_HOST, "Host", given, remedy))
