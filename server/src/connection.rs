@@ -1,9 +1,12 @@
 //! Connections: what `axum::serve` has no knob for.
 //!
 //! A connection must bring its first request, and each request its header, within a time limit; HTTP/2 is spoken to
-//! whoever begins with it, and pinged, so that half-open connections are noticed; small replies leave at once.
+//! whoever begins with it, and pinged, so that half-open connections are noticed; small replies leave at once. What a peer
+//! may have of all this is counted in `budget` and `frames`.
 
+use crate::budget::Place;
 use crate::config::Config;
+use crate::frames::Metered;
 use axum::Router;
 use axum::body::Body;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
@@ -17,11 +20,21 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tower::ServiceExt;
 
-/// Requests in flight on one HTTP/2 connection; an agent has four.
-const MAX_STREAMS: u32 = 64;
-
 /// Largest header of a request: ids are short, and there is little else.
 const MAX_HEADER: usize = 16 * 1024;
+
+/// What a peer may send on one stream, and on all streams of a connection, before somebody reads it: it lies in memory
+/// that no budget counts. A step has some 2 kB.
+const STREAM_WINDOW: u32 = 64 * 1024;
+const CONNECTION_WINDOW: u32 = 128 * 1024;
+
+/// What may wait on one stream to be sent; a horizon of forty slots has 3 kB.
+const SEND_BUFFER: usize = 64 * 1024;
+
+/// Streams that a peer has reset before they were looked at, and such that the server had to reset for the peer's
+/// mistakes, each before the connection ends.
+const MAX_PENDING_RESETS: usize = 20;
+const MAX_MISTAKES: usize = 128;
 
 /// A silent HTTP/2 connection is pinged after this long, and closed after as long again without an answer.
 /// Together above the 12 s for which Wi-Fi to a moving robot has been seen to stall.
@@ -42,20 +55,27 @@ pub(crate) fn builder(config: &Config) -> Builder<TokioExecutor> {
     builder
         .http2()
         .timer(TokioTimer::new())
-        .max_concurrent_streams(MAX_STREAMS)
+        .max_concurrent_streams(config.max_streams_per_connection)
+        .initial_stream_window_size(STREAM_WINDOW)
+        .initial_connection_window_size(CONNECTION_WINDOW)
+        .max_send_buf_size(SEND_BUFFER)
+        .max_pending_accept_reset_streams(MAX_PENDING_RESETS)
+        .max_local_error_reset_streams(MAX_MISTAKES)
         .max_header_list_size(MAX_HEADER as u32)
         .keep_alive_interval(PING)
         .keep_alive_timeout(PING);
     builder
 }
 
-/// Serves one connection to its end, its `lifetime`, or the end of the server.
+/// Serves one connection to its end, until it has to give its place to another, or to the end of the server.
 pub(crate) async fn serve(
     stream: TcpStream,
+    place: &Place,
     router: Router,
     builder: Arc<Builder<TokioExecutor>>,
     watcher: Watcher,
     first_request: Duration,
+    control_frames_per_s: u32,
 ) {
     if let Err(error) = prepare(&stream) {
         tracing::debug!(%error, "a connection was gone before it began");
@@ -63,13 +83,18 @@ pub(crate) async fn serve(
     }
     let has_begun = Arc::new(AtomicBool::new(false));
     let begun = Arc::clone(&has_begun);
-    let service = router.map_request(move |request: axum::http::Request<_>| {
+    let (peer, line) = (place.peer(), Arc::clone(place.line()));
+    let service = tower::service_fn(move |request: axum::http::Request<_>| {
         begun.store(true, Ordering::Relaxed);
-        request.map(Body::new)
+        let tracked = line.tracked();
+        let mut request = request.map(Body::new);
+        request.extensions_mut().insert(peer);
+        let answer = router.clone().oneshot(request);
+        async move { answer.await.map(|response| response.map(tracked)) }
     });
-    let connection = builder
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(service))
-        .into_owned();
+    let stream = TokioIo::new(Metered::new(stream, control_frames_per_s));
+    let connection =
+        builder.serve_connection(stream, TowerToHyperService::new(service)).into_owned();
     tokio::select! {
         result = watcher.watch(connection) => {
             if let Err(error) = result {
@@ -78,6 +103,9 @@ pub(crate) async fn serve(
         }
         () = never_began(&has_begun, first_request) => {
             tracing::debug!("a connection brought no request");
+        }
+        () = place.evicted() => {
+            tracing::debug!("an idle connection gave way to another one");
         }
     }
 }

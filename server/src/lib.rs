@@ -23,6 +23,7 @@
 
 mod answer;
 mod app;
+mod budget;
 mod catalogue;
 mod comparison;
 mod condition;
@@ -36,6 +37,7 @@ mod failure;
 mod feed;
 mod figures;
 mod fleet;
+mod frames;
 mod jobs;
 pub mod offline;
 mod priors;

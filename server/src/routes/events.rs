@@ -1,8 +1,9 @@
 //! What happens, as server-sent events.
 
 use crate::app::App;
+use crate::budget::Peer;
 use crate::extract::Known;
-use crate::failure::{self, Failure, Result};
+use crate::failure::{Failure, Result};
 use crate::feed::Ring;
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -22,20 +23,19 @@ pub(super) const KEEP_ALIVE: Duration = Duration::from_secs(15);
 pub(crate) async fn of_robot(
     State(app): State<App>,
     Known(robot): Known,
+    peer: Peer,
     headers: HeaderMap,
 ) -> Result {
-    follow(&app, robot.ring(), &headers)
+    follow(&app, robot.ring(), peer, &headers)
 }
 
-pub(crate) async fn of_all(State(app): State<App>, headers: HeaderMap) -> Result {
-    follow(&app, app.feed.all(), &headers)
+pub(crate) async fn of_all(State(app): State<App>, peer: Peer, headers: HeaderMap) -> Result {
+    follow(&app, app.feed.all(), peer, &headers)
 }
 
-fn follow(app: &App, ring: &Arc<Ring>, headers: &HeaderMap) -> Result {
+fn follow(app: &App, ring: &Arc<Ring>, peer: Peer, headers: &HeaderMap) -> Result {
     let after = last_event_id(headers)?;
-    let limit = app.config.max_event_streams;
-    let permit = Arc::clone(&app.streams).try_acquire_owned();
-    let permit = permit.map_err(|_| failure::limit_reached("event streams", limit))?;
+    let permit = app.streams.follow(peer)?;
     let (follower, closing) = (ring.follow(after), app.closing.subscribe());
     let events = stream::unfold((follower, closing, permit), |mut state| async move {
         loop {
