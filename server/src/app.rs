@@ -2,6 +2,7 @@
 
 use crate::budget::{Bodies, Limits, Streams};
 use crate::config::Config;
+use crate::documents::Documents;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
 use crate::jobs::Jobs;
@@ -26,6 +27,8 @@ pub(crate) struct App {
     pub(crate) comparisons: Jobs<Comparison>,
     /// Event streams that may be followed.
     pub(crate) streams: Streams,
+    /// Figures, tables and reports that have been made.
+    pub(crate) documents: Documents,
     /// Bytes of bodies in flight.
     pub(crate) bodies: Bodies,
     /// Set when event streams are to end, since they would outlast any shutdown.
@@ -53,6 +56,7 @@ impl App {
                 overall: config.max_event_streams,
                 per_peer: config.max_event_streams_per_peer,
             }),
+            documents: Documents::new(config.keep_documents),
             bodies: Bodies::new(Limits {
                 overall: config.max_bodies,
                 per_peer: config.max_bodies_per_peer,

@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Serve; the same as no command at all.
-    Serve(Serve),
+    Serve(Box<Serve>),
     /// Evolve a prior, without a server.
     ///
     /// The result goes to standard output, progress to standard error.
@@ -144,6 +144,9 @@ pub(crate) struct Serve {
     /// Most MB of bodies in flight of one address.
     #[arg(long, env = "UMWELT_MAX_BODIES_MB_PER_PEER", value_name = "MB", default_value_t = Config::default().max_bodies_per_peer / MB, value_parser = megabytes)]
     max_bodies_mb_per_peer: usize,
+    /// Most MB of figures, tables and reports to keep once they are made.
+    #[arg(long, env = "UMWELT_KEEP_DOCUMENTS_MB", value_name = "MB", default_value_t = Config::default().keep_documents / MB, value_parser = megabytes)]
+    keep_documents_mb: usize,
     /// Most event streams at a time.
     #[arg(long, env = "UMWELT_MAX_EVENT_STREAMS", value_name = "N", default_value_t = Config::default().max_event_streams)]
     max_event_streams: usize,
@@ -177,7 +180,7 @@ impl Arguments {
             Some(Command::Evolve(evolve)) => Task::Evolve(Box::new(evolve.order())),
             Some(Command::Compare(compare)) => Task::Compare(Box::new(compare.order())),
             Some(Command::Backup(backup)) => Task::Backup(backup),
-            Some(Command::Serve(serve)) => Task::Serve(Box::new(serve)),
+            Some(Command::Serve(serve)) => Task::Serve(serve),
             None => Task::Serve(Box::new(self.serve)),
         }
     }
@@ -206,6 +209,7 @@ impl Serve {
             max_control_frames_per_s: self.max_control_frames_per_s,
             max_bodies: self.max_bodies_mb * MB,
             max_bodies_per_peer: self.max_bodies_mb_per_peer * MB,
+            keep_documents: self.keep_documents_mb * MB,
             max_event_streams: self.max_event_streams,
             max_event_streams_per_peer: self.max_event_streams_per_peer,
             lost_after: self.lost_after_s,

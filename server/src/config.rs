@@ -49,6 +49,9 @@ pub struct Config {
     pub max_bodies: usize,
     /// Most bytes of bodies in flight of one address.
     pub max_bodies_per_peer: usize,
+    /// Bytes of figures, tables and reports to keep once they are made; those go first that nobody has asked for the
+    /// longest.
+    pub keep_documents: usize,
     /// Most event streams at a time. They last for hours and each sees every event.
     pub max_event_streams: usize,
     /// Most event streams of one address at a time.
@@ -89,6 +92,7 @@ impl Default for Config {
             max_control_frames_per_s: 100,
             max_bodies: 64 * MB,
             max_bodies_per_peer: 32 * MB,
+            keep_documents: 64 * MB,
             max_event_streams: 256,
             max_event_streams_per_peer: 192,
             lost_after: Duration::from_secs(2),

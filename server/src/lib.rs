@@ -30,6 +30,7 @@ mod condition;
 mod config;
 mod connection;
 mod deadline;
+mod documents;
 mod etag;
 mod evolution;
 mod extract;
