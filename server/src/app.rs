@@ -1,6 +1,8 @@
 //! What every route can reach.
 
+use crate::budget::{Bodies, Limits, Streams};
 use crate::config::Config;
+use crate::documents::Documents;
 use crate::feed::Feed;
 use crate::fleet::Fleet;
 use crate::jobs::Jobs;
@@ -8,7 +10,7 @@ use crate::priors::Priors;
 use crate::store::Keeper;
 use crate::training::Environments;
 use std::sync::Arc;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use umwelt_core::comparison::Comparison;
 use umwelt_core::evolution::Evolution;
 
@@ -23,8 +25,12 @@ pub(crate) struct App {
     pub(crate) environments: Environments,
     pub(crate) evolutions: Jobs<Evolution>,
     pub(crate) comparisons: Jobs<Comparison>,
-    /// One permit per event stream.
-    pub(crate) streams: Arc<Semaphore>,
+    /// Event streams that may be followed.
+    pub(crate) streams: Streams,
+    /// Figures, tables and reports that have been made.
+    pub(crate) documents: Documents,
+    /// Bytes of bodies in flight.
+    pub(crate) bodies: Bodies,
     /// Set when event streams are to end, since they would outlast any shutdown.
     pub(crate) closing: Arc<watch::Sender<bool>>,
 }
@@ -46,7 +52,15 @@ impl App {
         let Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons } =
             parts;
         Self {
-            streams: Arc::new(Semaphore::new(config.max_event_streams.min(Semaphore::MAX_PERMITS))),
+            streams: Streams::new(Limits {
+                overall: config.max_event_streams,
+                per_peer: config.max_event_streams_per_peer,
+            }),
+            documents: Documents::new(config.keep_documents),
+            bodies: Bodies::new(Limits {
+                overall: config.max_bodies,
+                per_peer: config.max_bodies_per_peer,
+            }),
             closing: Arc::default(),
             config: Arc::new(config),
             keeper,

@@ -16,6 +16,9 @@ use umwelt_server::{Config, HostName, Origin, Priority, read_token};
 /// Data directory where none is named.
 const DATA: &str = "umwelt-data";
 
+/// Bytes in a megabyte.
+const MB: usize = 1 << 20;
+
 /// Controller server for two-wheel robots over bad links.
 ///
 /// Robots send poses and get wheel speeds; operators describe robots, set tasks, watch and stop them.
@@ -165,9 +168,33 @@ pub(crate) struct Serve {
     /// Most connections at a time; a robot uses up to three while its link stalls.
     #[arg(long, env = "UMWELT_MAX_CONNECTIONS", value_name = "N", default_value_t = Config::default().max_connections)]
     max_connections: usize,
+    /// Most connections of one address, or IPv6 network, at a time: less than all, and three for each robot behind it.
+    #[arg(long, env = "UMWELT_MAX_CONNECTIONS_PER_PEER", value_name = "N", default_value_t = Config::default().max_connections_per_peer)]
+    max_connections_per_peer: usize,
+    /// Connections beyond these limits on which a stop, health and readiness are still served, and nothing else.
+    #[arg(long, env = "UMWELT_RESERVED_CONNECTIONS", value_name = "N", default_value_t = Config::default().reserved_connections)]
+    reserved_connections: usize,
+    /// Most requests in flight on one HTTP/2 connection; an agent has four.
+    #[arg(long, env = "UMWELT_MAX_STREAMS_PER_CONNECTION", value_name = "N", default_value_t = Config::default().max_streams_per_connection, value_parser = at_least_one)]
+    max_streams_per_connection: u32,
+    /// HTTP/2 control frames that a connection may send per second, ten times as many at once; a flood closes it.
+    #[arg(long, env = "UMWELT_MAX_CONTROL_FRAMES_PER_S", value_name = "N", default_value_t = Config::default().max_control_frames_per_s, value_parser = at_least_one)]
+    max_control_frames_per_s: u32,
+    /// Most MB of bodies in flight; beyond them those are given up that have been arriving the longest.
+    #[arg(long, env = "UMWELT_MAX_BODIES_MB", value_name = "MB", default_value_t = Config::default().max_bodies / MB, value_parser = megabytes)]
+    max_bodies_mb: usize,
+    /// Most MB of bodies in flight of one address.
+    #[arg(long, env = "UMWELT_MAX_BODIES_MB_PER_PEER", value_name = "MB", default_value_t = Config::default().max_bodies_per_peer / MB, value_parser = megabytes)]
+    max_bodies_mb_per_peer: usize,
+    /// Most MB of figures, tables and reports to keep once they are made.
+    #[arg(long, env = "UMWELT_KEEP_DOCUMENTS_MB", value_name = "MB", default_value_t = Config::default().keep_documents / MB, value_parser = megabytes)]
+    keep_documents_mb: usize,
     /// Most event streams at a time.
     #[arg(long, env = "UMWELT_MAX_EVENT_STREAMS", value_name = "N", default_value_t = Config::default().max_event_streams)]
     max_event_streams: usize,
+    /// Most event streams of one address at a time.
+    #[arg(long, env = "UMWELT_MAX_EVENT_STREAMS_PER_PEER", value_name = "N", default_value_t = Config::default().max_event_streams_per_peer)]
+    max_event_streams_per_peer: usize,
     /// Seconds without a step after which a robot counts as lost.
     #[arg(long, env = "UMWELT_LOST_AFTER_S", value_name = "S", default_value = "2", value_parser = seconds)]
     lost_after_s: Duration,
@@ -229,7 +256,15 @@ impl Serve {
             },
             max_robots: self.max_robots,
             max_connections: self.max_connections,
+            max_connections_per_peer: self.max_connections_per_peer,
+            reserved_connections: self.reserved_connections,
+            max_streams_per_connection: self.max_streams_per_connection,
+            max_control_frames_per_s: self.max_control_frames_per_s,
+            max_bodies: self.max_bodies_mb * MB,
+            max_bodies_per_peer: self.max_bodies_mb_per_peer * MB,
+            keep_documents: self.keep_documents_mb * MB,
             max_event_streams: self.max_event_streams,
+            max_event_streams_per_peer: self.max_event_streams_per_peer,
             lost_after: self.lost_after_s,
             header_timeout: self.header_timeout_s,
             idle_timeout: self.idle_timeout_s,
@@ -254,6 +289,22 @@ fn seconds(text: &str) -> Result<Duration, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (1e-3..=3600.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
         _ => Err("use a number of seconds from 0.001 to 3600".to_owned()),
+    }
+}
+
+/// From a megabyte to a terabyte.
+fn megabytes(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(megabytes) if (1..=1 << 20).contains(&megabytes) => Ok(megabytes),
+        _ => Err("use an integer from 1 to 1048576".to_owned()),
+    }
+}
+
+/// Where nothing at all would be served with none.
+fn at_least_one(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(number) if number >= 1 => Ok(number),
+        _ => Err("use an integer from 1 to 4294967295".to_owned()),
     }
 }
 
@@ -325,6 +376,8 @@ mod tests {
             ["--allow-host", "robots:8080"],
             ["--listen", "0.0.0.0:8080"],
             ["--token-file", "/nonexistent/token"],
+            ["--max-bodies-mb", "0"],
+            ["--max-streams-per-connection", "0"],
             ["backup", "--data"],
         ] {
             assert_eq!(config(&wrong), None, "{wrong:?}");

@@ -8,6 +8,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 use umwelt_api::Token;
 
+/// Bytes in a megabyte of the command line.
+pub(crate) const MB: usize = 1 << 20;
+
 /// Every setting of a server. Where nothing is said, [`Config::default`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
@@ -43,8 +46,27 @@ pub struct Config {
     pub max_robots: usize,
     /// Most connections at a time. A robot uses up to three of them while its link stalls.
     pub max_connections: usize,
+    /// Most connections of one address, or IPv6 network, at a time: enough for a thousand robots behind one, and less
+    /// than all.
+    pub max_connections_per_peer: usize,
+    /// Connections beyond these limits on which a stop, health and readiness are served, and nothing else; a quarter of
+    /// them for one address.
+    pub reserved_connections: usize,
+    /// Most requests in flight on one HTTP/2 connection; an agent has four.
+    pub max_streams_per_connection: u32,
+    /// HTTP/2 frames without content that a connection may send per second, ten times as many at once.
+    pub max_control_frames_per_s: u32,
+    /// Most bytes of bodies in flight.
+    pub max_bodies: usize,
+    /// Most bytes of bodies in flight of one address.
+    pub max_bodies_per_peer: usize,
+    /// Bytes of figures, tables and reports to keep once they are made; those go first that nobody has asked for the
+    /// longest.
+    pub keep_documents: usize,
     /// Most event streams at a time. They last for hours and each sees every event.
     pub max_event_streams: usize,
+    /// Most event streams of one address at a time.
+    pub max_event_streams_per_peer: usize,
     /// Silence after which a robot counts as lost: far above the jitter of a link, far below a person's patience.
     pub lost_after: Duration,
     /// Time for a connection to bring its first request, and for each request to bring its header.
@@ -103,7 +125,15 @@ impl Default for Config {
             evolution_priority: Priority::default(),
             max_robots: 1000,
             max_connections: 4096,
+            max_connections_per_peer: 3584,
+            reserved_connections: 128,
+            max_streams_per_connection: 64,
+            max_control_frames_per_s: 100,
+            max_bodies: 64 * MB,
+            max_bodies_per_peer: 32 * MB,
+            keep_documents: 64 * MB,
             max_event_streams: 256,
+            max_event_streams_per_peer: 192,
             lost_after: Duration::from_secs(2),
             header_timeout: Duration::from_secs(10),
             idle_timeout: Duration::from_secs(75),

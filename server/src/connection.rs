@@ -2,11 +2,14 @@
 //!
 //! A connection must bring its first request, and each request its header, within a time limit; between requests it may
 //! be silent for longer, and answers say for how long; HTTP/2 is spoken to whoever begins with it, and pinged, so that
-//! half-open connections are noticed; small replies leave at once.
+//! half-open connections are noticed; small replies leave at once. What a peer may have of all this is counted in
+//! `budget` and `frames`.
 
 mod patience;
 
+use crate::budget::Place;
 use crate::config::Config;
+use crate::frames::Metered;
 use axum::Router;
 use axum::body::Body;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, Version, header};
@@ -24,11 +27,21 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tower::{ServiceExt, service_fn};
 
-/// Requests in flight on one HTTP/2 connection; an agent has four.
-const MAX_STREAMS: u32 = 64;
-
 /// Largest header of a request: ids are short, and there is little else.
 const MAX_HEADER: usize = 16 * 1024;
+
+/// What a peer may send on one stream, and on all streams of a connection, before somebody reads it: it lies in memory
+/// that no budget counts. A step has some 2 kB.
+const STREAM_WINDOW: u32 = 64 * 1024;
+const CONNECTION_WINDOW: u32 = 128 * 1024;
+
+/// What may wait on one stream to be sent; a horizon of forty slots has 3 kB.
+const SEND_BUFFER: usize = 64 * 1024;
+
+/// Streams that a peer has reset before they were looked at, and such that the server had to reset for the peer's
+/// mistakes, each before the connection ends.
+const MAX_PENDING_RESETS: usize = 20;
+const MAX_MISTAKES: usize = 128;
 
 /// A silent HTTP/2 connection is pinged after this long, and closed after as long again without an answer.
 /// Together above the 12 s for which Wi-Fi to a moving robot has been seen to stall.
@@ -60,7 +73,7 @@ impl Times {
 }
 
 /// The protocols and their limits.
-pub(crate) fn builder() -> Builder<TokioExecutor> {
+pub(crate) fn builder(config: &Config) -> Builder<TokioExecutor> {
     let mut builder = Builder::new(TokioExecutor::new());
     builder
         .http1()
@@ -71,20 +84,27 @@ pub(crate) fn builder() -> Builder<TokioExecutor> {
     builder
         .http2()
         .timer(TokioTimer::new())
-        .max_concurrent_streams(MAX_STREAMS)
+        .max_concurrent_streams(config.max_streams_per_connection)
+        .initial_stream_window_size(STREAM_WINDOW)
+        .initial_connection_window_size(CONNECTION_WINDOW)
+        .max_send_buf_size(SEND_BUFFER)
+        .max_pending_accept_reset_streams(MAX_PENDING_RESETS)
+        .max_local_error_reset_streams(MAX_MISTAKES)
         .max_header_list_size(MAX_HEADER as u32)
         .keep_alive_interval(PING)
         .keep_alive_timeout(PING);
     builder
 }
 
-/// Serves one connection to its end, its `lifetime`, or the end of the server.
+/// Serves one connection to its end, until it has to give its place to another, or to the end of the server.
 pub(crate) async fn serve(
     stream: TcpStream,
+    place: &Place,
     router: Router,
     builder: Arc<Builder<TokioExecutor>>,
     watcher: Watcher,
     times: Times,
+    control_frames_per_s: u32,
 ) {
     if let Err(error) = prepare(&stream) {
         tracing::debug!(%error, "a connection was gone before it began");
@@ -96,11 +116,15 @@ pub(crate) async fn serve(
     let limits = Limits { idle: times.idle + GRACE, header: times.first_request };
     let stream = Patient::new(stream, Arc::clone(&activity), limits);
     let keep_alive = keep_alive(times.idle);
+    let (peer, line) = (place.peer(), Arc::clone(place.line()));
     let service = service_fn(move |request: Request<_>| {
         begun.store(true, Ordering::Relaxed);
         let answering = activity.begin(request.version() == Version::HTTP_2);
+        let tracked = line.tracked();
         let keep_alive = keep_alive.clone().filter(|_| is_kept(&request));
-        let answer = router.clone().oneshot(request.map(Body::new));
+        let mut request = request.map(Body::new);
+        request.extensions_mut().insert(peer);
+        let answer = router.clone().oneshot(request);
         async move {
             let mut response = answer.await?;
             if let Some(keep_alive) = keep_alive {
@@ -108,16 +132,16 @@ pub(crate) async fn serve(
             }
             // The answer lasts as long as its body, which takes this along.
             Ok::<_, Infallible>(response.map(|body| {
-                body.map_err(move |error| {
+                tracked(body.map_err(move |error| {
                     let _of_body = &answering;
                     error
-                })
+                }))
             }))
         }
     });
-    let connection = builder
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(service))
-        .into_owned();
+    let stream = TokioIo::new(Metered::new(stream, control_frames_per_s));
+    let connection =
+        builder.serve_connection(stream, TowerToHyperService::new(service)).into_owned();
     tokio::select! {
         result = watcher.watch(connection) => {
             if let Err(error) = result {
@@ -126,6 +150,9 @@ pub(crate) async fn serve(
         }
         () = never_began(&has_begun, times.first_request) => {
             tracing::debug!("a connection brought no request");
+        }
+        () = place.evicted() => {
+            tracing::debug!("an idle connection gave way to another one");
         }
     }
 }

@@ -8,8 +8,12 @@ use std::sync::Arc;
 /// The version of `content`: 16 hexadecimal digits.
 pub(crate) fn of(content: &impl Serialize) -> Arc<str> {
     // Checked specs are finite, so they can be serialised; one that could not would match no version.
-    let json = serde_json::to_vec(content).unwrap_or_default();
-    format!("{:016x}", fnv_1a(&json)).into()
+    of_bytes(&serde_json::to_vec(content).unwrap_or_default())
+}
+
+/// The version of something that is sent as these bytes.
+pub(crate) fn of_bytes(bytes: &[u8]) -> Arc<str> {
+    format!("{:016x}", fnv_1a(bytes)).into()
 }
 
 /// The form of a version in an `ETag` header.

@@ -1,6 +1,7 @@
 //! What routes take out of a request, each checked once and refused in the one error body.
 
 use crate::app::App;
+use crate::budget::{Limits, Peer, Unread};
 use crate::failure::{self, Failure};
 use crate::jobs::Job;
 use crate::robot::Robot;
@@ -8,7 +9,6 @@ use crate::routes::jobs::Resource;
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::{HeaderMap, StatusCode, header, request::Parts};
 use bytes::Bytes;
-use http_body_util::{BodyExt, LengthLimitError, Limited};
 use std::collections::HashMap;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -102,12 +102,14 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
         if promised > LIMIT as u64 {
             return Err(too_large(LIMIT));
         }
-        let collected = Limited::new(body, LIMIT).collect();
+        let peer = parts.extensions.get().copied().unwrap_or(Peer::IN_PROCESS);
+        let read = app.bodies.read(peer, body, LIMIT);
         let timeout = app.config.body_timeout;
-        match tokio::time::timeout(timeout, collected).await {
-            Ok(Ok(collected)) => Ok(Self(collected.to_bytes())),
-            Ok(Err(error)) if error.is::<LengthLimitError>() => Err(too_large(LIMIT)),
-            Ok(Err(error)) => {
+        match tokio::time::timeout(timeout, read).await {
+            Ok(Ok(bytes)) => Ok(Self(bytes)),
+            Ok(Err(Unread::TooLarge)) => Err(too_large(LIMIT)),
+            Ok(Err(Unread::GivenUp(limits))) => Err(given_up(limits)),
+            Ok(Err(Unread::Broken(error))) => {
                 let message = format!("the body ended early: {error}");
                 Err(Failure::new(Status::InvalidArgument, message))
             }
@@ -120,6 +122,21 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
             }
         }
     }
+}
+
+fn given_up(Limits { overall, per_peer }: Limits) -> Failure {
+    let message = format!(
+        "bodies of {overall} bytes in all, {per_peer} of one address, are in flight, which is the limit, and this one had \
+         been arriving the longest"
+    );
+    let remedy =
+        "send the whole body at once, or start the server with a higher --max-bodies-mb-per-peer";
+    Failure::new(Status::ResourceExhausted, message).with(Detail::new(
+        reason::LIMIT_REACHED,
+        "",
+        per_peer,
+        remedy,
+    ))
 }
 
 fn too_large(limit: usize) -> Failure {

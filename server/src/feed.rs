@@ -2,19 +2,27 @@
 //!
 //! Followers pull: each has its own place and reads from the ring when its connection takes more. So a slow
 //! follower costs nothing and blocks nobody; when the ring has run over its place, it is told that it missed some.
+//! An event is written when the first of them reads it, and once for all of them.
+
+mod entry;
+
+pub(crate) use entry::{Entry, What};
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::sync::watch;
 use umwelt_api::RobotId;
-use umwelt_api::event::{Event, Kind};
+use umwelt_api::event::Kind;
 
 /// Events kept per robot: ten seconds of a driving robot.
 const KEPT_OF_ROBOT: usize = 256;
 
 /// Events kept of all robots together: ten seconds of thirty driving robots, some 4 MB.
 const KEPT_OF_ALL: usize = 8192;
+
+/// Most events that a follower takes at a time: some 50 kB.
+pub(crate) const BATCH: usize = 32;
 
 /// Numbers events and keeps the last of them.
 #[derive(Clone, Debug)]
@@ -51,10 +59,10 @@ impl Feed {
     }
 
     /// Something happened to `robot`, whose ring is `ring`.
-    pub(crate) fn publish(&self, ring: &Ring, robot: &RobotId, kind: Kind) {
+    pub(crate) fn publish(&self, ring: &Ring, robot: &RobotId, what: impl Into<What>) {
         let mut newest = self.newest();
         *newest += 1;
-        let event = Arc::new(Event { id: *newest, robot: Some(robot.clone()), kind });
+        let event = Arc::new(Entry::new(*newest, Some(robot.clone()), what.into()));
         ring.push(Arc::clone(&event));
         self.0.all.push(event);
     }
@@ -75,7 +83,7 @@ pub(crate) struct Ring {
 
 #[derive(Debug)]
 struct Kept {
-    events: VecDeque<Arc<Event>>,
+    events: VecDeque<Arc<Entry>>,
     /// The id up to which events are forgotten.
     forgotten: u64,
     is_closed: bool,
@@ -87,12 +95,12 @@ impl Ring {
         Self { capacity, kept: Mutex::new(kept), changed: watch::Sender::new(()) }
     }
 
-    fn push(&self, event: Arc<Event>) {
+    fn push(&self, event: Arc<Entry>) {
         let mut kept = self.kept();
         if kept.events.len() == self.capacity
             && let Some(oldest) = kept.events.pop_front()
         {
-            kept.forgotten = oldest.id;
+            kept.forgotten = oldest.id();
         }
         kept.events.push_back(event);
         drop(kept);
@@ -108,7 +116,7 @@ impl Ring {
     /// Follows the events behind the one with id `after`; those from now on where none is named.
     pub(crate) fn follow(self: &Arc<Self>, after: Option<u64>) -> Follower {
         let kept = self.kept();
-        let newest = kept.events.back().map_or(kept.forgotten, |event| event.id);
+        let newest = kept.events.back().map_or(kept.forgotten, |event| event.id());
         // An id above the newest is from another life of the server: whatever happened since is missed.
         let place = after.map_or(newest, |id| if id <= newest { id } else { 0 });
         drop(kept);
@@ -131,12 +139,12 @@ pub(crate) struct Follower {
 }
 
 impl Follower {
-    /// The next event, as soon as there is one; none when there will be no more.
-    pub(crate) async fn next(&mut self) -> Option<Arc<Event>> {
+    /// The next events, as soon as there are some, and no more than [`BATCH`]; none when there will be no more.
+    pub(crate) async fn next(&mut self) -> Option<Vec<Arc<Entry>>> {
         loop {
             self.changed.mark_unchanged();
-            if let Some(event) = self.ready() {
-                return Some(event);
+            if let Some(events) = self.ready() {
+                return Some(events);
             }
             if self.ring.kept().is_closed {
                 // What was published before the end is read before the end.
@@ -146,17 +154,17 @@ impl Follower {
         }
     }
 
-    fn ready(&mut self) -> Option<Arc<Event>> {
+    fn ready(&mut self) -> Option<Vec<Arc<Entry>>> {
         let kept = self.ring.kept();
-        let event = if self.place < kept.forgotten {
-            Arc::new(Event { id: kept.forgotten, robot: None, kind: Kind::Missed })
-        } else {
-            let behind = kept.events.partition_point(|event| event.id <= self.place);
-            Arc::clone(kept.events.get(behind)?)
-        };
+        let missed = (self.place < kept.forgotten)
+            .then(|| Arc::new(Entry::new(kept.forgotten, None, Kind::Missed.into())));
+        let place = self.place.max(kept.forgotten);
+        let behind = kept.events.partition_point(|event| event.id() <= place);
+        let events = kept.events.range(behind..).cloned();
+        let events: Vec<_> = missed.into_iter().chain(events).take(BATCH).collect();
         drop(kept);
-        self.place = event.id;
-        Some(event)
+        self.place = events.last()?.id();
+        Some(events)
     }
 }
 
@@ -164,6 +172,8 @@ impl Follower {
 mod tests {
     use super::*;
     use futures_util::FutureExt;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use umwelt_api::event::Event;
 
     const BEGIN: u64 = 1000;
 
@@ -174,8 +184,9 @@ mod tests {
     }
 
     /// What a follower gets without waiting.
-    fn ready(follower: &mut Follower) -> Vec<Arc<Event>> {
-        std::iter::from_fn(|| follower.next().now_or_never().flatten()).collect()
+    fn ready(follower: &mut Follower) -> Vec<Event> {
+        let batches = std::iter::from_fn(|| follower.next().now_or_never().flatten());
+        batches.flatten().map(|entry| entry.event()).collect()
     }
 
     fn ids(follower: &mut Follower) -> Vec<u64> {
@@ -239,7 +250,44 @@ mod tests {
         let mut follower = ring.follow(None);
         feed.publish(&ring, &robot, Kind::Removed);
         ring.close();
-        assert_eq!(follower.next().now_or_never().flatten().unwrap().kind, Kind::Removed);
-        assert_eq!(follower.next().now_or_never(), Some(None), "it ends rather than waits");
+        assert_eq!(ready(&mut follower)[0].kind, Kind::Removed);
+        assert!(matches!(follower.next().now_or_never(), Some(None)), "it ends rather than waits");
+    }
+
+    /// The bug to fear: an event that costs as much as there are followers, or something when nobody follows.
+    #[test]
+    fn an_event_is_made_and_written_once_for_all_and_not_at_all_for_nobody() {
+        let (feed, ring, robot) = feed();
+        let made = Arc::new(AtomicUsize::new(0));
+        let count = Arc::clone(&made);
+        let ask = move || {
+            count.fetch_add(1, Ordering::Relaxed);
+            Kind::Stopped
+        };
+        let mut followers = [ring.follow(None), ring.follow(None), feed.all().follow(None)];
+        feed.publish(&ring, &robot, What::Asked(Box::new(ask)));
+        assert_eq!(made.load(Ordering::Relaxed), 0);
+        let written = followers.each_mut().map(|follower| {
+            let entries = follower.next().now_or_never().flatten().unwrap();
+            entries[0].written().clone()
+        });
+        assert_eq!(made.load(Ordering::Relaxed), 1);
+        assert!(written[0].starts_with(b"id: 1001\nevent: stopped\ndata: {"), "{written:?}");
+        let at = written.each_ref().map(|bytes| bytes.as_ptr());
+        assert_eq!(at, [at[0]; 3], "the same bytes, not copies of them");
+    }
+
+    #[test]
+    fn a_follower_takes_what_there_is_at_once_but_not_without_a_bound() {
+        let (feed, ring, robot) = feed();
+        let mut follower = ring.follow(None);
+        for _ in 0..2 * BATCH + 1 {
+            feed.publish(&ring, &robot, Kind::Stopped);
+        }
+        let mut sizes = Vec::new();
+        while let Some(Some(events)) = follower.next().now_or_never() {
+            sizes.push(events.len());
+        }
+        assert_eq!(sizes, [BATCH, BATCH, 1]);
     }
 }

@@ -23,12 +23,14 @@
 
 mod answer;
 mod app;
+mod budget;
 mod catalogue;
 mod comparison;
 mod condition;
 mod config;
 mod connection;
 mod deadline;
+mod documents;
 mod etag;
 mod evolution;
 mod extract;
@@ -36,6 +38,7 @@ mod failure;
 mod feed;
 mod figures;
 mod fleet;
+mod frames;
 mod guard;
 mod jobs;
 pub mod offline;

@@ -1,9 +1,9 @@
 //! The server: binds, accepts, and shuts down without leaving a robot in motion.
 
 use crate::app::{App, Parts};
+use crate::budget::{self, Connections, Limits as Budget, Peer, Place};
 use crate::config::Config;
 use crate::connection::{self, Times};
-use crate::failure;
 use crate::feed::Feed;
 use crate::fleet::{Fleet, Stops};
 use crate::jobs::{Jobs, Limits, Pool};
@@ -21,14 +21,17 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{Instant, timeout_at};
 
-/// Connections beyond the limit that are told so at a time; those beyond these are closed without a word.
-const REFUSALS: usize = 32;
+/// Beyond the limit the longest idle connection gives way to a new one, if it has been idle for this long: an agent sends
+/// a request every 30 ms.
+const IDLE: Duration = Duration::from_secs(1);
 
-/// How long a refused connection may take to hear it.
-const REFUSAL: Duration = Duration::from_secs(1);
+/// The part of the reserved connections that one peer may have.
+const RESERVED_SHARE: usize = 4;
+
+/// How much longer than an answer may take a reserved connection lives.
+const RESERVED_MARGIN: Duration = Duration::from_secs(1);
 
 /// Pause after the system had no more connections to give: it will not have one at once.
 const OUT_OF_SOCKETS: Duration = Duration::from_millis(100);
@@ -72,6 +75,7 @@ impl Server {
 
     async fn with(config: Config, store: Arc<dyn Store>, stops: Stops) -> io::Result<Self> {
         config.check().map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
+        budget::allow_files(&config);
         let keeper = Keeper::new(store);
         let contents = keeper.load().await.map_err(io::Error::other)?;
         let listener = TcpListener::bind(config.listen).await.map_err(|error| {
@@ -181,26 +185,31 @@ fn warn_of_exposure(config: &Config, listen: SocketAddr) {
 /// Lets connections in.
 struct Door {
     router: Router,
-    full: Router,
+    reserved_router: Router,
     builder: Arc<Builder<TokioExecutor>>,
     graceful: GracefulShutdown,
-    places: Arc<Semaphore>,
-    refusals: Arc<Semaphore>,
+    connections: Connections,
+    reserved: Connections,
+    reserved_lifetime: Duration,
     times: Times,
+    control_frames_per_s: u32,
 }
 
 impl Door {
     fn new(config: &Config, router: Router) -> Self {
-        let limit = config.max_connections;
+        let (overall, reserved) = (config.max_connections, config.reserved_connections);
+        let limits = Budget { overall, per_peer: config.max_connections_per_peer };
+        let reserve = Budget { overall: reserved, per_peer: reserved.div_ceil(RESERVED_SHARE) };
         Self {
+            reserved_router: budget::reserved(router.clone(), overall),
             router,
-            full: Router::new()
-                .fallback(move || async move { failure::limit_reached("connections", limit) }),
-            builder: Arc::new(connection::builder()),
+            builder: Arc::new(connection::builder(config)),
             graceful: GracefulShutdown::new(),
-            places: Arc::new(Semaphore::new(limit.min(Semaphore::MAX_PERMITS))),
-            refusals: Arc::new(Semaphore::new(REFUSALS)),
+            connections: Connections::new(limits, IDLE),
+            reserved: Connections::new(reserve, Duration::ZERO),
+            reserved_lifetime: config.deadline + RESERVED_MARGIN,
             times: Times::of(config),
+            control_frames_per_s: config.max_control_frames_per_s,
         }
     }
 
@@ -208,7 +217,7 @@ impl Door {
     async fn accept(&self, listener: &TcpListener) {
         loop {
             match listener.accept().await {
-                Ok((stream, _)) => self.admit(stream),
+                Ok((stream, address)) => self.admit(stream, Peer::of(address.ip())),
                 Err(error) if is_of_connection(&error) => {}
                 Err(error) => {
                     tracing::error!(%error, "no connection can be accepted");
@@ -218,27 +227,26 @@ impl Door {
         }
     }
 
-    /// Serves the connection, or tells it that there are too many, or closes it.
-    fn admit(&self, stream: TcpStream) {
-        let serve = |router: &Router, permit: OwnedSemaphorePermit, lifetime: Duration| {
-            let connection = connection::serve(
-                stream,
-                router.clone(),
-                Arc::clone(&self.builder),
-                self.graceful.watcher(),
-                self.times,
-            );
-            tokio::spawn(async move {
-                // Cut off where it lasts longer.
-                let _ = tokio::time::timeout(lifetime, connection).await;
-                drop(permit);
-            });
-        };
-        if let Ok(place) = Arc::clone(&self.places).try_acquire_owned() {
-            serve(&self.router, place, Duration::MAX);
-        } else if let Ok(refusal) = Arc::clone(&self.refusals).try_acquire_owned() {
-            serve(&self.full, refusal, REFUSAL);
+    /// Serves the connection; beyond the limits what places are reserved for, and beyond those nothing: it is closed
+    /// without a word.
+    fn admit(&self, stream: TcpStream, peer: Peer) {
+        if let Some(place) = self.connections.admit(peer) {
+            self.serve(stream, place, &self.router, Duration::MAX);
+        } else if let Some(place) = self.reserved.admit(peer) {
+            self.serve(stream, place, &self.reserved_router, self.reserved_lifetime);
         }
+    }
+
+    fn serve(&self, stream: TcpStream, place: Place, router: &Router, lifetime: Duration) {
+        let (router, builder) = (router.clone(), Arc::clone(&self.builder));
+        let (watcher, times) = (self.graceful.watcher(), self.times);
+        let frames = self.control_frames_per_s;
+        tokio::spawn(async move {
+            let connection =
+                connection::serve(stream, &place, router, builder, watcher, times, frames);
+            // Cut off where it lasts longer.
+            let _ = tokio::time::timeout(lifetime, connection).await;
+        });
     }
 }
 

@@ -59,7 +59,7 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about(&format!("`deviation` and `time` show which share of the trials exceeds how much, one panel for each environment (the thesis's figures 8 to 11); `pareto` shows time against deviation. {NOTHING_YET}"))
         .gives_text(comparison::Figure::MEDIA_TYPE, "The figure")
-        .fails(&[400, 404]),
+        .fails(&[400, 404, 429]),
         Route::get(
             "/v1/comparisons/{comparison}/trials.csv",
             "comparison_trials",
@@ -68,7 +68,7 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about(&format!("One row for each trial of each contender in each environment, below a header: `{}`. {NOTHING_YET}", comparison::TRIALS_COLUMNS.join(",")))
         .gives_text(comparison::TRIALS_MEDIA_TYPE, "The trials")
-        .fails(&[400, 404]),
+        .fails(&[400, 404, 429]),
         Route::get(
             "/v1/comparisons/{comparison}/report.md",
             "comparison_report",
@@ -77,6 +77,6 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about(&format!("Tables, and in plain words what the thesis's claims come to. {NOTHING_YET}"))
         .gives_text(comparison::REPORT_MEDIA_TYPE, "The report")
-        .fails(&[400, 404]),
+        .fails(&[400, 404, 429]),
     ]
 }

@@ -143,6 +143,6 @@ pub(super) fn evolutions() -> Vec<Route> {
         .tag("evolutions")
         .about("Best and mean of each generation in each environment: `deviation` is the thesis's figure 6, `time` its figure 7. FAILED_PRECONDITION with NOTHING_YET before the first generation has ended.")
         .gives_text(evolution::Figure::MEDIA_TYPE, "The figure")
-        .fails(&[400, 404]),
+        .fails(&[400, 404, 429]),
     ]
 }

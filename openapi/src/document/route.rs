@@ -26,6 +26,9 @@ pub(super) struct Route {
     operation: OperationBuilder,
 }
 
+/// What 304 says.
+const NOT_MODIFIED: &str = "It is as it was: `If-None-Match` names its version";
+
 impl Route {
     pub(super) fn get(path: &'static str, id: &str, summary: &str) -> Self {
         Self::new(HttpMethod::Get, path, id, summary)
@@ -149,11 +152,23 @@ impl Route {
         self.respond(201, response.build())
     }
 
+    /// Gives a document that has a version, to those who do not have that already.
     pub(super) fn gives_text(self, media_type: &str, about: &str) -> Self {
         let schema = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).build();
         let content = ContentBuilder::new().schema(Some(schema)).build();
-        let response = ResponseBuilder::new().description(about).content(media_type, content);
-        self.respond(200, response.build())
+        let etag = HeaderBuilder::new()
+            .schema(Some(text(200)))
+            .description(Some("Version of the document"))
+            .build();
+        let response = ResponseBuilder::new()
+            .description(about)
+            .header("ETag", etag.clone())
+            .content(media_type, content);
+        let unchanged = ResponseBuilder::new().description(NOT_MODIFIED).header("ETag", etag);
+        let known = "Not again if it has this `ETag` still";
+        self.parameter("If-None-Match", ParameterIn::Header, Required::False, known, text(200))
+            .respond(200, response.build())
+            .respond(304, unchanged.build())
     }
 
     pub(super) fn gives_object(self, about: &str) -> Self {

@@ -9,7 +9,7 @@ use super::session::{Refusal, Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
 use super::stop_order::Arrival;
 use super::workers::aside;
-use crate::feed::Ring;
+use crate::feed::{Ring, What};
 use crate::store::Record;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -286,8 +286,7 @@ impl Pilot {
             self.publish(Kind::Task(progress.into()));
         }
         if is_learned_due {
-            let environment = self.shown.described.environment(&self.controller.environment());
-            self.publish(Kind::Environment(Box::new(environment)));
+            self.publish(self.environment());
         }
         if self.motion.is_due(now) {
             let pose = self.controller.pose();
@@ -350,8 +349,16 @@ impl Pilot {
         self.snapshot.send_replace(Arc::new(shown.clone()));
     }
 
-    fn publish(&self, kind: Kind) {
-        self.common.feed.publish(&self.ring, &self.id, kind);
+    fn publish(&self, what: impl Into<What>) {
+        self.common.feed.publish(&self.ring, &self.id, what);
+    }
+
+    /// What is identified now, made from the belief when somebody wants to see it.
+    fn environment(&self) -> What {
+        let (described, belief) = (self.shown.described.clone(), self.controller.belief().clone());
+        What::Asked(Box::new(move || {
+            Kind::Environment(Box::new(described.environment(&belief.environment())))
+        }))
     }
 }
 

@@ -1,29 +1,26 @@
 //! Comparisons: submitted, their trials, and what is theirs alone of what all jobs have.
 
-use super::jobs::{
-    Resource, drawn, figure as figure_of, idempotency_key, parts, repeated, submitted,
-};
+use super::jobs::{Made, Resource, figure as figure_of, idempotency_key, repeated, submitted};
 use crate::app::App;
 use crate::comparison::{csv, report};
+use crate::documents::Name;
 use crate::etag;
 use crate::extract::{Body, Named};
 use crate::failure::{self, Failure, Result};
 use crate::figures::comparison::svg;
 use crate::fleet::to_the_end;
 use crate::jobs::{Job, Jobs, Shown, Submission};
-use axum::body;
 use axum::extract::{Path, State};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::{IntoResponse, sse};
-use futures_util::{StreamExt, stream};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::sse;
 use serde::Serialize;
 use std::collections::HashMap;
-use std::io;
+use std::convert::Infallible;
 use std::sync::Arc;
 use umwelt_api::ComparisonId;
 use umwelt_api::comparison::{self, Figure, Page, Request};
 use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_core::comparison::Comparison;
+use umwelt_core::comparison::{Comparison, Distribution};
 
 pub(crate) async fn submit(
     State(app): State<App>,
@@ -50,46 +47,61 @@ pub(crate) async fn figure(
     State(app): State<App>,
     Named(job): Named<Comparison>,
     Path(path): Path<HashMap<String, String>>,
+    headers: HeaderMap,
 ) -> Result {
     let figure = figure_of(&path, Figure::named, &Figure::ALL.map(Figure::name))?;
-    succeeded(&job)?;
-    let distributions = parts(&app, &job, 0, usize::MAX, Clone::clone).await?;
-    let name = job.id().to_string();
-    drawn(Figure::MEDIA_TYPE, move || {
-        svg(figure, &name, &job.shown().record.settings, &distributions)
-    })
-    .await
+    let made = of_trials(&app, &job, &headers, figure.name(), Figure::MEDIA_TYPE)?;
+    let draw = move |job: &Job<Comparison>, distributions: &[Distribution]| {
+        svg(figure, &job.id().to_string(), &job.shown().record.settings, distributions)
+    };
+    made.of_parts(draw).await
 }
 
 /// Every trial, a contender in an environment at a time.
-pub(crate) async fn trials(State(app): State<App>, Named(job): Named<Comparison>) -> Result {
-    succeeded(&job)?;
-    let settings = &job.shown().record.settings;
-    let count = settings.environments.len() * settings.contenders.len();
-    let rows = stream::iter(0..count).then(move |index| rows(app.clone(), Arc::clone(&job), index));
-    let lines = stream::iter([Ok(csv::header())]).chain(rows);
-    let content_type = [(header::CONTENT_TYPE, comparison::TRIALS_MEDIA_TYPE)];
-    Ok((content_type, body::Body::from_stream(lines)).into_response())
+pub(crate) async fn trials(
+    State(app): State<App>,
+    Named(job): Named<Comparison>,
+    headers: HeaderMap,
+) -> Result {
+    let made = of_trials(&app, &job, &headers, "trials.csv", comparison::TRIALS_MEDIA_TYPE)?;
+    let write = |_: &Job<Comparison>, distributions: &[Distribution]| {
+        let rows = distributions.iter().map(csv::rows);
+        Ok::<_, Infallible>(std::iter::once(csv::header()).chain(rows).collect())
+    };
+    made.of_parts(write).await
 }
 
-/// The lines of one contender in one environment. An error cuts the answer off where it is.
-async fn rows(app: App, job: Arc<Job<Comparison>>, index: usize) -> io::Result<String> {
-    let rows = parts(&app, &job, index, 1, csv::rows).await;
-    let rows = rows.map_err(|failure| io::Error::other(failure.message().to_owned()))?;
-    let gone = || io::Error::other(format!("{} was removed meanwhile", job.id()));
-    rows.into_iter().next().ok_or_else(gone)
+/// What is made of the trials of a comparison that has succeeded.
+fn of_trials<'a>(
+    app: &'a App,
+    job: &'a Arc<Job<Comparison>>,
+    headers: &'a HeaderMap,
+    what: &'static str,
+    media_type: &'static str,
+) -> Result<Made<'a, Comparison>, Failure> {
+    succeeded(job)?;
+    Ok(Made { app, job, headers, media_type, what, state: 0 })
 }
 
 /// The report for people.
-pub(crate) async fn report(Named(job): Named<Comparison>) -> Result {
+pub(crate) async fn report(
+    State(app): State<App>,
+    Named(job): Named<Comparison>,
+    headers: HeaderMap,
+) -> Result {
     succeeded(&job)?;
-    let record = Arc::clone(&job.shown().record);
-    let Some(found) = &record.report else {
-        return Err(failure::internal(format!("{} has no report", job.id())));
+    let name = Name { job: job.id(), what: "report.md", state: 0 };
+    let write = move |()| {
+        let record = Arc::clone(&job.shown().record);
+        let Some(found) = &record.report else {
+            return Err(failure::internal(format!("{} has no report", job.id())));
+        };
+        let found = comparison::Report::from(found);
+        Ok(report::markdown(&record.settings, record.own.as_str(), &found))
     };
-    let found = comparison::Report::from(found);
-    let text = report::markdown(&record.settings, record.own.as_str(), &found);
-    Ok(([(header::CONTENT_TYPE, comparison::REPORT_MEDIA_TYPE)], text).into_response())
+    let ready = std::future::ready(Ok(()));
+    let report = app.documents.get(name, comparison::REPORT_MEDIA_TYPE, ready, write).await?;
+    Ok(report.answer(&headers))
 }
 
 /// Whether there is something to show: before its end, and after another one, nothing is.

@@ -1,65 +1,114 @@
 //! What happens, as server-sent events.
 
 use crate::app::App;
+use crate::budget::{Peer, Stream};
 use crate::extract::Known;
-use crate::failure::{self, Failure, Result};
-use crate::feed::Ring;
+use crate::failure::{Failure, Result};
+use crate::feed::{BATCH, Entry, Follower, Ring};
+use axum::body::Body;
 use axum::extract::State;
-use axum::http::HeaderMap;
-use axum::response::sse::{KeepAlive, Sse};
-use axum::response::{IntoResponse, sse};
+use axum::http::{HeaderMap, header};
+use axum::response::IntoResponse;
+use bytes::{Bytes, BytesMut};
 use futures_util::stream;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
-use umwelt_api::event::Event;
+use tokio::sync::watch;
+use tokio::time::Instant;
 use umwelt_api::problem::{Detail, Problems, reason};
 
 /// A comment is sent after this long without an event: proxies close what is silent for a minute, and a follower
 /// that has gone is only noticed by writing to it.
 pub(super) const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
+/// The comment: it is no event.
+const COMMENT: Bytes = Bytes::from_static(b":\n\n");
+
+/// What happens within this time after events were sent is sent together: nobody sees so short a delay, and many
+/// followers of many robots do not wake up for each event.
+const PACE: Duration = Duration::from_millis(20);
+
 pub(crate) async fn of_robot(
     State(app): State<App>,
     Known(robot): Known,
+    peer: Peer,
     headers: HeaderMap,
 ) -> Result {
-    follow(&app, robot.ring(), &headers)
+    follow(&app, robot.ring(), peer, &headers)
 }
 
-pub(crate) async fn of_all(State(app): State<App>, headers: HeaderMap) -> Result {
-    follow(&app, app.feed.all(), &headers)
+pub(crate) async fn of_all(State(app): State<App>, peer: Peer, headers: HeaderMap) -> Result {
+    follow(&app, app.feed.all(), peer, &headers)
 }
 
-fn follow(app: &App, ring: &Arc<Ring>, headers: &HeaderMap) -> Result {
+fn follow(app: &App, ring: &Arc<Ring>, peer: Peer, headers: &HeaderMap) -> Result {
     let after = last_event_id(headers)?;
-    let limit = app.config.max_event_streams;
-    let permit = Arc::clone(&app.streams).try_acquire_owned();
-    let permit = permit.map_err(|_| failure::limit_reached("event streams", limit))?;
-    let (follower, closing) = (ring.follow(after), app.closing.subscribe());
-    let events = stream::unfold((follower, closing, permit), |mut state| async move {
-        loop {
-            let (follower, closing, _) = &mut state;
-            let event = tokio::select! {
-                event = follower.next() => event?,
-                _ = closing.wait_for(|closing| *closing) => return None,
-            };
-            if let Some(event) = written(&event) {
-                return Some((Ok::<_, Infallible>(event), state));
-            }
-        }
+    let permit = app.streams.follow(peer)?;
+    let reader = Reader {
+        follower: ring.follow(after),
+        closing: app.closing.subscribe(),
+        not_before: Instant::now(),
+        _permit: permit,
+    };
+    let chunks = stream::unfold(reader, |mut reader| async move {
+        let chunk = reader.next().await?;
+        Some((Ok::<_, Infallible>(chunk), reader))
     });
-    Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response())
+    let headers =
+        [(header::CONTENT_TYPE, "text/event-stream"), (header::CACHE_CONTROL, "no-cache")];
+    Ok((headers, Body::from_stream(chunks)).into_response())
 }
 
-/// The event as it is sent; none where it holds a number that cannot be said.
-fn written(event: &Event) -> Option<sse::Event> {
-    let written = sse::Event::default().id(event.id.to_string()).event(event.kind.name());
-    match written.json_data(event) {
-        Ok(written) => Some(written),
-        Err(error) => {
-            tracing::error!(id = event.id, %error, "an event could not be written");
-            None
+/// One stream of events on its way out.
+struct Reader {
+    follower: Follower,
+    closing: watch::Receiver<bool>,
+    /// When the next events are to be sent.
+    not_before: Instant,
+    _permit: Stream,
+}
+
+impl Reader {
+    /// What is to be sent next, as soon as it is; none at the end.
+    async fn next(&mut self) -> Option<Bytes> {
+        let (follower, not_before) = (&mut self.follower, self.not_before);
+        let events = async {
+            if not_before > Instant::now() {
+                tokio::time::sleep_until(not_before).await;
+            }
+            loop {
+                let events = follower.next().await?;
+                let chunk = joined(&events);
+                if !chunk.is_empty() {
+                    return Some((chunk, events.len()));
+                }
+            }
+        };
+        tokio::select! {
+            events = tokio::time::timeout(KEEP_ALIVE, events) => match events {
+                Ok(events) => {
+                    let (chunk, count) = events?;
+                    // Behind as many as it could take there may be more.
+                    let pause = if count < BATCH { PACE } else { Duration::ZERO };
+                    self.not_before = Instant::now() + pause;
+                    Some(chunk)
+                }
+                Err(_) => Some(COMMENT),
+            },
+            _ = self.closing.wait_for(|closing| *closing) => None,
+        }
+    }
+}
+
+/// Events one after the other.
+fn joined(events: &[Arc<Entry>]) -> Bytes {
+    match events {
+        [event] => event.written().clone(),
+        events => {
+            let mut joined = BytesMut::new();
+            events.iter().for_each(|event| joined.extend_from_slice(event.written()));
+            joined.freeze()
         }
     }
 }

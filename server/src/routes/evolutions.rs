@@ -1,7 +1,7 @@
 //! Evolutions: submitted, their generations and figures, and what is theirs alone of what all jobs have.
 
 use super::jobs::{
-    Resource, drawn, figure as figure_of, idempotency_key, parts, repeated, submitted,
+    Made, Resource, figure as figure_of, idempotency_key, parts, repeated, submitted,
 };
 use super::page::{self, Query};
 use crate::answer;
@@ -66,19 +66,21 @@ pub(crate) async fn figure(
     State(app): State<App>,
     Named(job): Named<Evolution>,
     Path(path): Path<HashMap<String, String>>,
+    headers: HeaderMap,
 ) -> Result {
     let figure = figure_of(&path, Figure::named, &Figure::ALL.map(Figure::name))?;
-    let generations = parts(&app, &job, 0, usize::MAX, Clone::clone).await?;
-    if generations.is_empty() {
+    let state = job.shown().generations();
+    if state == 0 {
         let message = format!("no generation of {} has ended yet", job.id());
         let detail = Detail::new(reason::NOTHING_YET, "figure", figure.name(), "ask again later");
         return Err(Failure::new(Status::FailedPrecondition, message).with(detail));
     }
-    let name = job.id().to_string();
-    drawn(evolution::Figure::MEDIA_TYPE, move || {
-        svg(figure, &name, &job.shown().record.settings, &generations)
-    })
-    .await
+    let (what, media_type) = (figure.name(), evolution::Figure::MEDIA_TYPE);
+    let made = Made { app: &app, job: &job, headers: &headers, media_type, what, state };
+    let draw = move |job: &Job<Evolution>, generations: &[umwelt_core::evolution::Generation]| {
+        svg(figure, &job.id().to_string(), &job.shown().record.settings, generations)
+    };
+    made.of_parts(draw).await
 }
 
 impl Resource for Evolution {

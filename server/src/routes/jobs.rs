@@ -7,14 +7,16 @@ pub(crate) use events::events;
 use super::page::{self, Query};
 use crate::answer;
 use crate::app::App;
+use crate::documents::Name;
 use crate::etag;
 use crate::extract::Named;
 use crate::failure::{self, Failure, Result};
 use crate::fleet::to_the_end;
 use crate::jobs::{Job, Jobs, Shown, Submitting, Work, read_part};
+use crate::store::{JobId, Part};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response, sse};
+use axum::response::{Response, sse};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -115,27 +117,44 @@ pub(super) async fn parts<W: Work, T: Send + 'static>(
 ) -> Result<Vec<T>, Failure> {
     let id = job.id();
     let kept = app.keeper.parts(id, from, limit).await?;
-    let read = move || {
-        let read = kept.iter().map(|part| {
-            read_part(&part.body).map(|part| of(&part)).map_err(|error| {
-                let message = format!("part {} of {id}: {error}", part.index);
-                Failure::new(Status::DataLoss, message)
-            })
-        });
-        read.collect()
-    };
+    let read = move || kept.iter().map(|part| Ok(of(&read::<W>(id, part)?))).collect();
     tokio::task::spawn_blocking(read).await.map_err(|error| failure::broken(&error))?
 }
 
-/// A figure drawn off the async threads.
-pub(super) async fn drawn<E: Display>(
-    media_type: &'static str,
-    draw: impl FnOnce() -> Result<String, E> + Send + 'static,
-) -> Result {
-    let draw = move || draw().map_err(|error| failure::internal(error.to_string()));
-    let drawn = tokio::task::spawn_blocking(draw).await;
-    let drawn = drawn.map_err(|error| failure::broken(&error))??;
-    Ok(([(header::CONTENT_TYPE, media_type)], drawn).into_response())
+fn read<W: Work>(id: JobId, part: &Part) -> Result<W::Part, Failure> {
+    read_part(&part.body).map_err(|error| {
+        Failure::new(Status::DataLoss, format!("part {} of {id}: {error}", part.index))
+    })
+}
+
+/// What is made of all parts of a job that are kept, and for whom.
+pub(super) struct Made<'a, W: Resource> {
+    pub(super) app: &'a App,
+    pub(super) job: &'a Arc<Job<W>>,
+    pub(super) headers: &'a HeaderMap,
+    pub(super) media_type: &'static str,
+    /// Which document of the job it is.
+    pub(super) what: &'static str,
+    /// How many parts there are.
+    pub(super) state: u64,
+}
+
+impl<W: Resource> Made<'_, W> {
+    /// A document that `make` makes of the parts, now or before.
+    pub(super) async fn of_parts<E: Display>(
+        self,
+        make: impl FnOnce(&Job<W>, &[W::Part]) -> Result<String, E> + Send + 'static,
+    ) -> Result {
+        let (keeper, job, id) = (self.app.keeper.clone(), Arc::clone(self.job), self.job.id());
+        let kept = async move { keeper.parts(id, 0, usize::MAX).await };
+        let make = move |kept: Vec<Part>| {
+            let parts: Result<Vec<_>, _> = kept.iter().map(|part| read::<W>(id, part)).collect();
+            make(&job, &parts?).map_err(|error| failure::internal(error.to_string()))
+        };
+        let name = Name { job: id, what: self.what, state: self.state };
+        let document = self.app.documents.get(name, self.media_type, kept, make).await?;
+        Ok(document.answer(self.headers))
+    }
 }
 
 /// The figure of a path, one of those that `named` knows.

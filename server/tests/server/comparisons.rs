@@ -96,8 +96,21 @@ async fn a_comparison_lives_from_its_submission_to_its_trials() {
     let report = String::from_utf8(report.bytes).unwrap();
     assert!(report.starts_with("# ") && report.contains("bayesian/1"), "{report}");
 
-    // Another server has it all from the store.
+    // Who has it does not get it again, not from another server either.
     let restarted = serve(store.clone()).await;
+    for document in ["trials.csv", "figures/pareto", "report.md"] {
+        let document = format!("{path}/{document}");
+        let first = api.get(&document).await;
+        let etag = first.headers["etag"].to_str().unwrap();
+        for server in [&api, &restarted] {
+            assert_eq!(server.get(&document).await.bytes, first.bytes);
+            let again = server.call("GET", &document, &[("if-none-match", etag)], "").await;
+            assert_eq!((again.code, again.bytes.len()), (304, 0), "{document}");
+            let other = server.call("GET", &document, &[("if-none-match", "\"other\"")], "").await;
+            assert_eq!((other.code, &other.bytes), (200, &first.bytes), "{document}");
+        }
+    }
+    // Another server has it all from the store.
     assert_eq!(restarted.get(path).await.json(), shown);
     assert_eq!(restarted.get(&format!("{path}/trials.csv")).await.bytes, text.as_bytes());
     assert_eq!(restarted.delete(path).await.code, 204);

@@ -210,3 +210,22 @@ async fn there_is_a_limit_to_the_number_of_streams() {
     drop(first);
     Stream::open(&api, "/v1/events", None).await;
 }
+
+/// The bug to fear: a frame and a wake-up for each event and each follower.
+#[tokio::test(start_paused = true)]
+async fn what_happens_at_once_comes_in_one_frame_and_in_order() {
+    let api = Api::with_robot().await;
+    let mut stream = Stream::open(&api, "/v1/robots/r/events", None).await;
+    api.post("/v1/stop").await;
+    api.post("/v1/resume").await;
+    let first = stream.body.next().await.unwrap().unwrap();
+    let first = std::str::from_utf8(&first).unwrap();
+    assert_eq!(first.matches("\n\n").count(), 2, "{first}");
+    assert!(first.find("stopped") < first.find("resumed"), "{first}");
+    // Shortly after a frame, what happens is gathered for the next one.
+    api.post("/v1/stop").await;
+    assert!(stream.body.next().now_or_never().is_none());
+    api.post("/v1/resume").await;
+    let second = stream.body.next().await.unwrap().unwrap();
+    assert_eq!(std::str::from_utf8(&second).unwrap().matches("\n\n").count(), 2);
+}

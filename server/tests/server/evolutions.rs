@@ -163,13 +163,16 @@ async fn an_evolution_lives_from_its_submission_to_a_prior_that_a_robot_uses() {
         (rest["generations"][0]["index"].as_u64(), &rest["next_page_token"]),
         (Some(2), &Value::Null)
     );
-    for figure in ["deviation", "time"] {
-        let figure = api.get(&format!("{path}/figures/{figure}")).await;
+    for name in ["deviation", "time"] {
+        let figure = api.get(&format!("{path}/figures/{name}")).await;
         assert_eq!(
             (figure.code, &figure.headers["content-type"]),
             (200, &"image/svg+xml".parse().unwrap())
         );
         assert!(figure.bytes.starts_with(b"<svg"));
+        let known = [("if-none-match", figure.headers["etag"].to_str().unwrap())];
+        let again = format!("{path}/figures/{name}");
+        assert_eq!(api.call("GET", &again, &known, "").await.code, 304);
     }
     assert_eq!(api.get(&format!("{path}/figures/cost")).await.code, 404);
 

@@ -5,6 +5,8 @@
 
 mod api;
 mod bad_input;
+#[cfg(target_os = "linux")]
+mod budgets;
 mod comparisons;
 mod conditions;
 mod data;

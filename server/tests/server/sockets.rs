@@ -23,7 +23,11 @@ pub(crate) async fn serve(config: Config) -> (SocketAddr, JoinHandle<std::io::Re
 
 /// Sends bytes and reads until the server closes.
 pub(crate) async fn talk(address: SocketAddr, bytes: &[u8]) -> String {
-    let mut stream = TcpStream::connect(address).await.unwrap();
+    read_out(TcpStream::connect(address).await.unwrap(), bytes).await
+}
+
+/// Sends bytes on a connection and reads until the server closes.
+pub(crate) async fn read_out(mut stream: TcpStream, bytes: &[u8]) -> String {
     stream.write_all(bytes).await.unwrap();
     let mut answer = Vec::new();
     // A reset is an end too.
@@ -31,12 +35,16 @@ pub(crate) async fn talk(address: SocketAddr, bytes: &[u8]) -> String {
     String::from_utf8_lossy(&answer).into_owned()
 }
 
-/// One HTTP/1.1 request on a connection of its own.
-pub(crate) async fn request(address: SocketAddr, method: &str, path: &str, body: &str) -> String {
+/// One HTTP/1.1 request after which the connection ends.
+pub(crate) fn written(method: &str, path: &str, body: &str) -> String {
     let length = body.len();
     let head = format!("{method} {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n");
-    let head = format!("{head}content-type: application/json\r\ncontent-length: {length}\r\n\r\n");
-    talk(address, format!("{head}{body}").as_bytes()).await
+    format!("{head}content-type: application/json\r\ncontent-length: {length}\r\n\r\n{body}")
+}
+
+/// One HTTP/1.1 request on a connection of its own.
+pub(crate) async fn request(address: SocketAddr, method: &str, path: &str, body: &str) -> String {
+    talk(address, written(method, path, body).as_bytes()).await
 }
 
 #[tokio::test]
@@ -79,7 +87,7 @@ async fn half_open_connections_are_refused_politely_and_make_room_in_time() {
         stream.write_all(bytes.as_bytes()).await.unwrap();
         silent.push(stream);
     }
-    let refused = request(address, "GET", "/healthz", "").await;
+    let refused = request(address, "GET", "/v1/robots", "").await;
     assert!(refused.starts_with("HTTP/1.1 429"), "{refused}");
     assert!(refused.contains("LIMIT_REACHED") && refused.contains("retry-after: 1"), "{refused}");
     for mut stream in silent {
@@ -88,7 +96,7 @@ async fn half_open_connections_are_refused_politely_and_make_room_in_time() {
         assert!(closed.is_ok(), "a connection without a request is closed");
     }
     // The place is free a moment after the close.
-    while !request(address, "GET", "/healthz", "").await.starts_with("HTTP/1.1 200") {
+    while !request(address, "GET", "/v1/robots", "").await.starts_with("HTTP/1.1 200") {
         tokio::task::yield_now().await;
     }
 }

@@ -6,8 +6,9 @@
 
 use super::Resource;
 use crate::app::App;
+use crate::budget::{Peer, Stream};
 use crate::extract::Named;
-use crate::failure::{self, Result};
+use crate::failure::Result;
 use crate::jobs::{Job, Shown};
 use crate::routes::events::{KEEP_ALIVE, last_event_id};
 use axum::extract::State;
@@ -19,7 +20,7 @@ use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::{OwnedSemaphorePermit, watch};
+use tokio::sync::watch;
 
 /// How often the state is told while nothing but time passes.
 const TICK: Duration = Duration::from_secs(2);
@@ -27,12 +28,11 @@ const TICK: Duration = Duration::from_secs(2);
 pub(crate) async fn events<W: Resource>(
     State(app): State<App>,
     Named(job): Named<W>,
+    peer: Peer,
     headers: HeaderMap,
 ) -> Result {
     let told = last_event_id(&headers)?.unwrap_or(0);
-    let limit = app.config.max_event_streams;
-    let permit = Arc::clone(&app.streams).try_acquire_owned();
-    let permit = permit.map_err(|_| failure::limit_reached("event streams", limit))?;
+    let permit = app.streams.follow(peer)?;
     let follower = Follower {
         shown: job.follow(),
         closing: app.closing.subscribe(),
@@ -63,7 +63,7 @@ struct Follower<W: Resource> {
     /// Whether the state is to be told once the news are.
     is_state_due: bool,
     is_over: bool,
-    _permit: OwnedSemaphorePermit,
+    _permit: Stream,
 }
 
 impl<W: Resource> Follower<W> {
