@@ -78,6 +78,8 @@ impl Server {
         budget::allow_files(&config);
         let keeper = Keeper::new(store);
         let contents = keeper.load().await.map_err(io::Error::other)?;
+        // A full disk is no reason not to serve, and one to say so at once.
+        keeper.probe(Duration::ZERO).await;
         let listener = TcpListener::bind(config.listen).await.map_err(|error| {
             let message = format!("cannot listen on {}: {error}", config.listen);
             io::Error::new(error.kind(), message)

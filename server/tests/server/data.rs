@@ -6,7 +6,8 @@ use crate::sockets::request;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 use tempfile::tempdir;
 use umwelt_server::Store;
 use umwelt_server::store::{DATA_FILE, SqliteStore};
@@ -211,4 +212,86 @@ async fn a_backup_is_written_while_the_server_runs_and_opens_as_data() {
     end(child, "-TERM");
     let nothing = refused(&mut backup(&directory.path().join("nowhere"), &file));
     assert!(nothing.contains("there is no data file"), "{nothing}");
+}
+
+/// The bug to fear: the disk is full, the server restarts, and nobody can stop a robot that drives.
+#[tokio::test]
+async fn a_server_starts_on_a_full_disk_and_robots_can_be_stopped() {
+    let directory = tempdir().unwrap();
+    filled(directory.path());
+    // No file may grow: for a program the same as a disk that is full, and no disk has to be.
+    let mut full = Command::new("sh");
+    full.args(["-c", "trap '' XFSZ; ulimit -S -f 0; exec \"$0\" \"$@\""]);
+    full.arg(env!("CARGO_BIN_EXE_umwelt-server"));
+    full.args(["--listen", "127.0.0.1:0", "--data", directory.path().to_str().unwrap()]);
+    // Nobody reads the log meanwhile: every refused request in it would be too much for the pipe.
+    full.args(["--log", "umwelt_server=info"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let (child, address) = start(full);
+    let call = async |method: &str, path: &str| request(address, method, path, "{}").await;
+    assert!(call("GET", "/healthz").await.starts_with("HTTP/1.1 200"));
+    let ready = call("GET", "/readyz").await;
+    assert!(ready.starts_with("HTTP/1.1 503") && ready.contains("free some space"), "{ready}");
+    assert!(call("GET", "/v1/robots/r").await.contains("\"stopped\":false"));
+    for (method, path) in [("PUT", "/v1/robots/s"), ("DELETE", "/v1/robots/r")] {
+        let refused = call(method, path).await;
+        assert!(refused.starts_with("HTTP/1.1 503"), "{method} {path}: {refused}");
+        assert!(refused.contains("free some space"), "{refused}");
+    }
+    assert!(call("POST", "/v1/robots/r/stop").await.starts_with("HTTP/1.1 200"));
+    assert!(call("GET", "/v1/robots/r").await.contains("\"stopped\":true"));
+    assert!(call("POST", "/v1/robots/r/resume").await.starts_with("HTTP/1.1 503"));
+
+    let pid = child.id().to_string();
+    let room = Command::new("prlimit").args(["--pid", &pid, "--fsize=unlimited"]).status();
+    assert!(room.unwrap().success());
+    let ready = async {
+        while !call("GET", "/readyz").await.starts_with("HTTP/1.1 200") {
+            tokio::task::yield_now().await;
+        }
+    };
+    tokio::time::timeout(Duration::from_secs(60), ready).await.expect("there is room again");
+    assert!(call("PUT", "/v1/robots/s").await.starts_with("HTTP/1.1 201"));
+    let log = String::from_utf8(end(child, "-TERM").stderr).unwrap();
+    assert_eq!(log.matches("nothing can be kept now").count(), 1, "{log}");
+    let robots = SqliteStore::open(directory.path()).unwrap().load().unwrap().robots;
+    let kept: Vec<_> = robots.iter().map(|it| (it.id.as_str(), it.record.stopped)).collect();
+    assert_eq!(kept, [("r", true), ("s", false)], "the stop too");
+}
+
+/// The bug to fear: one digit on the disk turns a waypoint of 0.25 m into one of 8.25 m, and a robot drives there.
+#[tokio::test]
+async fn one_digit_that_changes_on_the_disk_is_named_and_given_up_alone() {
+    let directory = tempdir().unwrap();
+    let (child, address) = start(serve(directory.path()));
+    for robot in ["r", "s"] {
+        let path = format!("/v1/robots/{robot}");
+        assert!(request(address, "PUT", &path, "{}").await.starts_with("HTTP/1.1 201"));
+    }
+    let task = "{\"waypoints\": [{\"x_m\": 0.2517, \"y_m\": 0.0}]}";
+    assert!(request(address, "PUT", "/v1/robots/r/task", task).await.starts_with("HTTP/1.1 201"));
+    end(child, "-TERM");
+    let file = directory.path().join(DATA_FILE);
+    let mut bytes = fs::read(&file).unwrap();
+    let places: Vec<_> =
+        (0..bytes.len() - 6).filter(|at| &bytes[*at..*at + 6] == b"0.2517").collect();
+    assert!(!places.is_empty());
+    places.iter().for_each(|at| bytes[*at] = b'8');
+    fs::write(&file, bytes).unwrap();
+    let said = refused(&mut serve(directory.path()));
+    assert!(said.contains("robots r (its checksum does not match"), "{said}");
+    assert!(said.contains("backup") && said.contains("--remove-damaged"), "{said}");
+    let data = directory.path().to_str().unwrap().to_owned();
+    let check = |more: &[&str]| {
+        let output = program(&[&["check", "--data", &data], more].concat()).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap())
+    };
+    let (code, said) = check(&[]);
+    assert!(code == Some(1) && said.starts_with("robots r (its checksum"), "{said}");
+    let (code, said) = check(&["--remove-damaged"]);
+    assert!(code == Some(0) && said.contains("which are removed"), "{said}");
+    assert_eq!(check(&[]).0, Some(0));
+    let (child, address) = start(serve(directory.path()));
+    assert!(request(address, "GET", "/v1/robots/r", "").await.starts_with("HTTP/1.1 404"));
+    assert!(request(address, "GET", "/v1/robots/s", "").await.starts_with("HTTP/1.1 200"));
+    end(child, "-KILL");
 }

@@ -3,6 +3,7 @@
 //! One thread writes, in groups (`writer`); reads go through a connection of their own and never wait for it. What is
 //! acknowledged is on the disk: write-ahead log, synced at every commit.
 
+mod access;
 mod apply;
 mod backup;
 mod check;
@@ -23,18 +24,17 @@ pub use files::LOCK_FILE;
 pub use open::{DATA_FILE, OpenError};
 
 use super::{Change, Contents, JobId, Part, Store, StoreError};
+use access::{Access, Reader, Writing};
 use open::Opened;
-use rusqlite::Connection;
 use std::path::Path;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use writer::{IDLE, Request, Writer};
 
 /// Keeps everything in a file of a data directory, which no other server can use meanwhile.
 #[derive(Debug)]
 pub struct SqliteStore {
-    // Closed before the writer, which brings the log into the file where it is the last.
-    reader: Mutex<Connection>,
+    // Let go before the writer, which then closes it.
+    reader: Reader,
     writer: Writer,
     opened: Opened,
 }
@@ -54,20 +54,19 @@ impl SqliteStore {
         max_pages: Option<u32>,
         idle: Duration,
     ) -> Result<Self, OpenError> {
-        let (opened, connection) = open::open(directory, schema::MIGRATIONS)?;
-        let reader = opened.reader()?;
-        if let Some(max_pages) = max_pages {
-            let limit = connection.pragma_update(None, "max_page_count", max_pages);
-            limit.map_err(|error| opened.unusable(error.into()))?;
+        let opened = open::take(directory)?;
+        let mut access = Access::open(&opened, schema::MIGRATIONS)?;
+        let refused = |error| OpenError::Directory { directory: directory.into(), error };
+        if let Some(Writing { connection, .. }) = access.writing() {
+            opened.note().map_err(refused)?;
+            if let Some(max_pages) = max_pages {
+                let limit = connection.pragma_update(None, "max_page_count", max_pages);
+                limit.map_err(|error| opened.unusable(error.into()))?;
+            }
         }
-        let writer = Writer::start(connection, opened.file.clone(), idle)
-            .map_err(|error| OpenError::Directory { directory: directory.into(), error })?;
-        Ok(Self { reader: Mutex::new(reader), writer, opened })
-    }
-
-    fn reader(&self) -> MutexGuard<'_, Connection> {
-        // A read leaves nothing behind in the connection.
-        self.reader.lock().unwrap_or_else(PoisonError::into_inner)
+        let reader = access.reader();
+        let writer = Writer::start(access, idle).map_err(refused)?;
+        Ok(Self { reader, writer, opened })
     }
 
     /// An error of a read as the server sees it.
@@ -82,15 +81,15 @@ impl Store for SqliteStore {
     }
 
     fn load(&self) -> Result<Contents, StoreError> {
-        read::contents(&mut self.reader()).map_err(|error| self.failed(error))
+        read::contents(&mut self.reader.lock()).map_err(|error| self.failed(error))
     }
 
     fn parts(&self, job: JobId, from: usize, limit: usize) -> Result<Vec<Part>, StoreError> {
-        read::parts(&self.reader(), job, from, limit).map_err(|error| self.failed(error))
+        read::parts(&self.reader.lock(), job, from, limit).map_err(|error| self.failed(error))
     }
 
     fn checkpoint(&self, job: JobId) -> Result<Option<String>, StoreError> {
-        read::checkpoint(&self.reader(), job).map_err(|error| self.failed(error))
+        read::checkpoint(&self.reader.lock(), job).map_err(|error| self.failed(error))
     }
 
     fn probe(&self) -> Result<(), StoreError> {

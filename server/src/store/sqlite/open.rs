@@ -3,7 +3,7 @@
 use super::schema::{self, Unusable};
 use super::{checksum, files};
 use crate::store::StoreError;
-use rusqlite::{Connection, ErrorCode, OpenFlags};
+use rusqlite::{Connection, ErrorCode, OpenFlags, ffi};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -111,48 +111,24 @@ pub(super) struct Opened {
     lock: File,
 }
 
-/// Opens the data directory and its file, with tables as of `migrations`, for the one who writes.
-pub(super) fn open(
-    directory: &Path,
-    migrations: &[&str],
-) -> Result<(Opened, Connection), OpenError> {
+/// Takes the data directory, which is made where there is none.
+pub(super) fn take(directory: &Path) -> Result<Opened, OpenError> {
     let refused = |error| OpenError::Directory { directory: directory.to_path_buf(), error };
     fs::create_dir_all(directory).map_err(refused)?;
     let lock = files::lock(directory)?;
     files::refuse_lost(directory)?;
-    let opened = Opened { file: directory.join(DATA_FILE), lock };
-    let connection = opened.writer(migrations)?;
-    files::mark(&opened.lock).map_err(refused)?;
-    // The entries of new files are on the disk with this.
-    File::open(directory).and_then(|directory| directory.sync_all()).map_err(refused)?;
-    Ok((opened, connection))
+    Ok(Opened { file: directory.join(DATA_FILE), lock })
 }
 
 impl Opened {
-    fn writer(&self, migrations: &[&str]) -> Result<Connection, OpenError> {
-        let newer = |version| OpenError::Newer {
-            file: self.file.clone(),
-            version,
-            known: migrations.len(),
-        };
-        self.try_writer(migrations).map_err(|unusable| match unusable {
-            Unusable::Newer { version } => newer(version),
-            other => self.unusable(other),
-        })
-    }
-
-    fn try_writer(&self, migrations: &[&str]) -> Result<Connection, Unusable> {
+    /// A connection for the one who writes, to tables as of `migrations`.
+    pub(super) fn writer(&self, migrations: &[&str]) -> Result<Connection, Unusable> {
         let mut connection = writable(&self.file)?;
         // First of all whose it is: a file of another program is not touched.
         if schema::version(&connection, migrations.len())?.is_some() {
             check(&connection)?;
         }
-        connection.pragma_update_and_check(None, "journal_mode", "wal", |_| Ok(()))?;
-        connection.pragma_update_and_check(None, "journal_size_limit", LOG_SIZE, |_| Ok(()))?;
-        connection.pragma_update(None, "synchronous", "full")?;
-        // On a Mac only this reaches the disk.
-        connection.pragma_update(None, "fullfsync", true)?;
-        connection.pragma_update(None, "checkpoint_fullfsync", true)?;
+        make_durable(&connection)?;
         schema::migrate(&mut connection, migrations)?;
         schema::check_shape(&connection, migrations)?;
         // A file that cannot be written opens all the same: find out now.
@@ -160,15 +136,62 @@ impl Opened {
         Ok(connection)
     }
 
-    /// A connection that only reads.
-    pub(super) fn reader(&self) -> Result<Connection, OpenError> {
-        read_only(&self.file).map_err(|error| self.unusable(error.into()))
+    /// Notes that there is a store, for whoever finds the directory without one; the entries of new files are on the disk
+    /// with this.
+    pub(super) fn note(&self) -> io::Result<()> {
+        files::mark(&self.lock)?;
+        File::open(self.file.parent().unwrap_or(Path::new(".")))?.sync_all()
     }
 
     /// What it means that the data file cannot be used.
     pub(super) fn unusable(&self, unusable: Unusable) -> OpenError {
         unusable_file(&self.file, unusable)
     }
+}
+
+/// What is acknowledged is on the disk.
+fn make_durable(connection: &Connection) -> rusqlite::Result<()> {
+    connection.pragma_update_and_check(None, "journal_mode", "wal", |_| Ok(()))?;
+    connection.pragma_update_and_check(None, "journal_size_limit", LOG_SIZE, |_| Ok(()))?;
+    connection.pragma_update(None, "synchronous", "full")?;
+    // On a Mac only this reaches the disk.
+    connection.pragma_update(None, "fullfsync", true)?;
+    connection.pragma_update(None, "checkpoint_fullfsync", true)
+}
+
+/// The same as [`Opened::writer`] for a file that was looked at before.
+pub(super) fn writer_again(file: &Path) -> Result<Connection, Unusable> {
+    let connection = writable(file)?;
+    make_durable(&connection)?;
+    connection.execute(PROBE, [])?;
+    Ok(connection)
+}
+
+/// A connection that reads `file` and keeps all others out: it needs no room on the disk, not even for what connections
+/// tell each other (the file that ends in -shm).
+pub(super) fn reading_alone(file: &Path, migrations: &[&str]) -> Result<Connection, Unusable> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = connect(file, flags)?;
+    connection.pragma_update_and_check(None, "locking_mode", "exclusive", |_| Ok(()))?;
+    connection.pragma_update(None, "query_only", true)?;
+    check(&connection)?;
+    schema::check_shape(&connection, migrations)?;
+    Ok(connection)
+}
+
+/// Whether a file can be read and not written for want of room: the disk is full, or a file may not grow.
+pub(super) fn has_no_room(unusable: &Unusable) -> bool {
+    let Unusable::Failed(error) = unusable else { return false };
+    let no_room = [
+        ffi::SQLITE_FULL,
+        ffi::SQLITE_IOERR_WRITE,
+        ffi::SQLITE_IOERR_FSYNC,
+        ffi::SQLITE_IOERR_TRUNCATE,
+        ffi::SQLITE_IOERR_SHMOPEN,
+        ffi::SQLITE_IOERR_SHMSIZE,
+        ffi::SQLITE_IOERR_SHMMAP,
+    ];
+    error.sqlite_error().is_some_and(|error| no_room.contains(&error.extended_code))
 }
 
 /// Writes and changes nothing that matters.
@@ -217,6 +240,9 @@ pub(super) fn unusable_file(file: &Path, unusable: Unusable) -> OpenError {
         Unusable::Newer { version } => {
             OpenError::Newer { file, version, known: schema::MIGRATIONS.len() }
         }
+        Unusable::Gone(what) => {
+            OpenError::Unavailable { file, what, remedy: "leave the files beside it alone" }
+        }
         Unusable::Damaged(what) => OpenError::Damaged { file, what },
         Unusable::Failed(error) => match kind(&error) {
             Kind::Damaged => OpenError::Damaged { file, what: error.to_string() },
@@ -246,7 +272,9 @@ fn kind(error: &rusqlite::Error) -> Kind {
         }
         Some(ErrorCode::TooBig | ErrorCode::ConstraintViolation | ErrorCode::TypeMismatch)
         | None => Kind::Rejected("please report this"),
-        Some(_) => Kind::Unavailable("look at its disk and the system's log"),
+        Some(_) => Kind::Unavailable(
+            "see whether its disk is full and free some space, or look at the system's log",
+        ),
     }
 }
 

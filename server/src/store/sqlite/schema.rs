@@ -25,6 +25,8 @@ pub(super) enum Unusable {
     Newer { version: usize },
     /// It does not hold together.
     Damaged(String),
+    /// A file beside it went while it was being opened.
+    Gone(String),
     /// SQLite says no.
     Failed(rusqlite::Error),
 }

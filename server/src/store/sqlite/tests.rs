@@ -5,6 +5,7 @@ use super::schema::{MIGRATIONS, Unusable};
 use super::*;
 use crate::store::tests::{evolution, id, id_of, record, saved};
 use crate::store::{Change, JobKind, Posterior};
+use rusqlite::Connection;
 use std::fs;
 use std::path::PathBuf;
 use tempfile::{TempDir, tempdir};
@@ -12,6 +13,16 @@ use umwelt_core::controller::STATE_VERSION;
 
 fn open(directory: &TempDir) -> SqliteStore {
     SqliteStore::open(directory.path()).unwrap()
+}
+
+/// The connection that writes, to tables as of `migrations`.
+fn writer_of(
+    directory: &TempDir,
+    migrations: &[&str],
+) -> Result<(Opened, Connection), schema::Unusable> {
+    let opened = open::take(directory.path()).unwrap();
+    let connection = opened.writer(migrations)?;
+    Ok((opened, connection))
 }
 
 fn file(directory: &TempDir) -> PathBuf {
@@ -57,7 +68,7 @@ fn what_is_acknowledged_is_there_when_it_is_opened_again() {
 #[test]
 fn every_commit_is_synced_to_the_disk() {
     let directory = tempdir().unwrap();
-    let (_opened, connection) = open::open(directory.path(), MIGRATIONS).unwrap();
+    let (_opened, connection) = writer_of(&directory, MIGRATIONS).unwrap();
     let pragma = |name| connection.pragma_query_value(None, name, |row| row.get::<_, i64>(0));
     assert_eq!(pragma("synchronous"), Ok(2), "full");
     assert_eq!(pragma("foreign_keys"), Ok(1));
@@ -97,7 +108,7 @@ fn what_could_not_be_read_back_is_rejected() {
 #[test]
 fn of_a_group_only_the_bad_one_fails() {
     let directory = tempdir().unwrap();
-    let (opened, connection) = open::open(directory.path(), MIGRATIONS).unwrap();
+    let (opened, connection) = writer_of(&directory, MIGRATIONS).unwrap();
     let results = writer::write_together(
         connection,
         &opened.file,
@@ -120,7 +131,7 @@ fn of_a_group_only_the_bad_one_fails() {
 #[test]
 fn a_full_disk_refuses_what_does_not_fit_and_keeps_the_rest() {
     let directory = tempdir().unwrap();
-    let (opened, connection) = open::open(directory.path(), MIGRATIONS).unwrap();
+    let (opened, connection) = writer_of(&directory, MIGRATIONS).unwrap();
     connection.pragma_update(None, "max_page_count", 60).unwrap();
     let results = writer::write_together(
         connection,
@@ -256,14 +267,14 @@ fn migrations_lead_forward_whole_or_not_at_all() {
     drop(store);
     let next = "ALTER TABLE robots ADD COLUMN colour TEXT NOT NULL DEFAULT 'grey'";
     let broken = [MIGRATIONS, &[next, "CREATE TABLE half (x); CREATE TABLE robots (x)"]].concat();
-    assert!(open::open(directory.path(), &broken).is_err());
+    assert!(writer_of(&directory, &broken).is_err());
     let at = schema::version(&beside(&directory), 9);
     assert_eq!(at, Ok(Some(MIGRATIONS.len() + 1)), "the step that worked stays");
     let half = beside(&directory).prepare("SELECT * FROM half").map(drop);
     assert!(half.is_err(), "of the one that failed there is nothing");
 
     let mended = [MIGRATIONS, &[next, "CREATE TABLE whole (x)"]].concat();
-    let (_opened, connection) = open::open(directory.path(), &mended).unwrap();
+    let (_opened, connection) = writer_of(&directory, &mended).unwrap();
     let colour = "SELECT colour FROM robots WHERE id = 'r'";
     assert_eq!(connection.query_row(colour, [], |row| row.get(0)), Ok("grey".to_owned()));
     let refused = schema::version(&connection, MIGRATIONS.len());

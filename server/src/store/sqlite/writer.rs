@@ -1,11 +1,13 @@
 //! The one thread that writes. It takes all that waits into one transaction, so that many changes share one sync of the
 //! disk, with a savepoint around each, so that one that cannot be made fails alone.
 
+use super::access::{Access, Writing};
 use super::apply::{ApplyError, apply};
-use super::files::Watched;
 use super::open::{BUSY, PROBE, call_failed};
 use crate::store::{Change, StoreError};
-use rusqlite::{Connection, TransactionBehavior};
+#[cfg(test)]
+use rusqlite::Connection;
+use rusqlite::TransactionBehavior;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
@@ -46,11 +48,10 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    /// Starts the thread on a connection to `file`; after `idle` without a write the log goes into the file.
-    pub(super) fn start(connection: Connection, file: PathBuf, idle: Duration) -> io::Result<Self> {
+    /// Starts the thread; after `idle` without a write the log goes into the file.
+    pub(super) fn start(access: Access, idle: Duration) -> io::Result<Self> {
         let (jobs, asked) = channel();
-        let watched = Watched::of(&file)?;
-        let desk = Desk { connection, file, watched, has_log: false, idle };
+        let desk = Desk { file: access.file(), access, has_log: false, idle };
         let thread = Builder::new().name("store".to_owned()).spawn(move || desk.run(&asked))?;
         Ok(Self { jobs: Some(jobs), thread: Some(thread) })
     }
@@ -86,9 +87,8 @@ enum Failed {
 
 /// What the thread works with.
 struct Desk {
-    connection: Connection,
+    access: Access,
     file: PathBuf,
-    watched: Watched,
     /// Whether there is something in the write-ahead log alone that matters.
     has_log: bool,
     idle: Duration,
@@ -143,12 +143,13 @@ impl Desk {
 
     /// One transaction with a savepoint for each of `group`.
     fn write(&mut self, group: &[Job]) -> Result<Vec<Result<(), StoreError>>, Failed> {
-        if let Err(error) = self.watched.check() {
+        if let Err(error) = self.access.to_write().and_then(|writing| writing.watched.check()) {
             // A log that has lost its name is lost with the process.
             self.fold_in_when_idle();
             return Err(Failed::Outright(error));
         }
-        let Self { connection, file, watched, has_log, .. } = self;
+        let Self { access, file, has_log, .. } = self;
+        let Writing { connection, watched } = access.to_write().map_err(Failed::Outright)?;
         let failed = |error: rusqlite::Error| Failed::Together(call_failed(file, &error));
         let immediate = TransactionBehavior::Immediate;
         let begun = connection.transaction_with_behavior(immediate);
@@ -199,11 +200,14 @@ impl Desk {
 
     /// Brings the write-ahead log into the file, without waiting for those who read it.
     fn fold_in(&mut self) -> Result<(), StoreError> {
-        let failed = |error| call_failed(&self.file, &error);
-        self.connection.busy_timeout(Duration::ZERO).map_err(failed)?;
+        let Self { access, file, .. } = self;
+        // Where the disk was full from the beginning, nothing was written.
+        let Some(Writing { connection, .. }) = access.writing() else { return Ok(()) };
+        let failed = |error| call_failed(file, &error);
+        connection.busy_timeout(Duration::ZERO).map_err(failed)?;
         let fold_in = "PRAGMA wal_checkpoint(TRUNCATE)";
-        let folded = self.connection.query_row(fold_in, [], |row| row.get::<_, bool>(0));
-        self.connection.busy_timeout(BUSY).map_err(failed)?;
+        let folded = connection.query_row(fold_in, [], |row| row.get::<_, bool>(0));
+        connection.busy_timeout(BUSY).map_err(failed)?;
         match folded.map_err(failed)? {
             false => self.has_log = false,
             true => return Err(StoreError::Unavailable("somebody reads the log".to_owned())),
@@ -228,8 +232,8 @@ pub(super) fn write_together(
     file: &Path,
     requests: Vec<Request>,
 ) -> Vec<Result<(), StoreError>> {
-    let (file, watched) = (file.to_path_buf(), Watched::of(file).unwrap());
-    let mut desk = Desk { connection, file, watched, has_log: false, idle: IDLE };
+    let access = Access::with(connection, file.to_path_buf()).unwrap();
+    let mut desk = Desk { file: access.file(), access, has_log: false, idle: IDLE };
     let job = |request| Job { request, answer: sync_channel(1).0 };
     desk.write_group(&requests.into_iter().map(job).collect::<Vec<_>>())
 }
