@@ -17,7 +17,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 /// Robots that are driven: some seconds of them.
-const ROBOTS: u32 = 250;
+const ROBOTS: u32 = 200;
 
 /// Most acts of one of them.
 const ACTS: usize = 48;
