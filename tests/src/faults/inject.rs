@@ -21,11 +21,17 @@ const STORE: &str = "umwelt.sqlite";
 /// How late a lame connection is: beyond the time after which an agent takes a fresh one.
 const LAME: std::ops::Range<f64> = 0.3..0.9;
 
-/// How long before a stop a resume is sent in s: the shortest time in which it arrives first on a busy machine.
-const RACE: std::ops::Range<f64> = 0.004..0.012;
+/// How long before a stop a resume is sent in s: it arrives first on a busy machine, too.
+const RACE: std::ops::Range<f64> = 0.05..0.15;
+
+/// How long the store is held meanwhile in s, so that the resume is still under way.
+const RACE_HELD: f64 = 0.5;
+
+/// Time in s after which it is held.
+const RACE_BEGINS: f64 = 0.1;
 
 /// How often in a row.
-const RACES: u32 = 8;
+const RACES: u32 = 4;
 
 /// Time for an answer to a request that came before.
 const REPEATED: Duration = Duration::from_secs(5);
@@ -104,11 +110,15 @@ async fn to_robot(field: &Field, robot: &Robot, injection: &Injection) {
         Kind::StopRace => {
             let _nobody_resumes_all = field.everybody.read().await;
             for _ in 0..RACES {
+                let resume = async {
+                    seconds(RACE_BEGINS).await;
+                    field.resume(robot).await;
+                };
                 let stop = async {
-                    seconds(rng.random_range(RACE)).await;
+                    seconds(RACE_BEGINS + rng.random_range(RACE)).await;
                     field.stop(robot).await
                 };
-                tokio::join!(field.resume(robot), stop);
+                tokio::join!(hold_store(field, RACE_HELD), resume, stop);
                 field.stop_holds(robot).await;
             }
             seconds(lasts).await;
@@ -178,7 +188,11 @@ async fn to_server(field: &Field, injection: &Injection) {
                 field.count(|tally| *tally.skipped.entry(kind).or_default() += 1);
             }
         }
-        Kind::StoreHeld => hold_store(field, lasts).await,
+        Kind::StoreHeld => {
+            if !hold_store(field, lasts).await {
+                field.count(|tally| *tally.skipped.entry(kind).or_default() += 1);
+            }
+        }
         Kind::StopAll => {
             let _nobody_resumes = field.everybody.write().await;
             field.stop_all().await;
@@ -194,8 +208,8 @@ async fn to_server(field: &Field, injection: &Injection) {
     join_all(idle.map(|robot| field.goes_on(robot, kind, false))).await;
 }
 
-/// Another program writes to the store for so many s.
-async fn hold_store(field: &Field, lasts: f64) {
+/// Another program writes to the store for so many s; false where it could not.
+async fn hold_store(field: &Field, lasts: f64) -> bool {
     let file = field.life.data.file(STORE);
     let held = tokio::task::spawn_blocking(move || {
         let store = Connection::open(file)?;
@@ -204,7 +218,5 @@ async fn hold_store(field: &Field, lasts: f64) {
         std::thread::sleep(Duration::from_secs_f64(lasts));
         store.execute_batch("ROLLBACK")
     });
-    if !matches!(held.await, Ok(Ok(()))) {
-        field.count(|tally| *tally.skipped.entry(Kind::StoreHeld).or_default() += 1);
-    }
+    matches!(held.await, Ok(Ok(())))
 }
