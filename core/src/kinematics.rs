@@ -84,7 +84,8 @@ impl Drive {
     }
 
     /// The twist nearest to `to` that is reached from `from` within `duration` s, each component by itself
-    /// (thesis eq. 20, for speed and heading).
+    /// (thesis eq. 20, for speed and heading). Where one grows faster than the other falls, it grows no further than the
+    /// wheels allow.
     ///
     /// ```
     /// use umwelt_core::{geometry::Twist, kinematics::Drive};
@@ -94,7 +95,7 @@ impl Drive {
     /// assert!(drive.change_time(Twist::ZERO, next) <= 0.03 + 1e-12);
     /// ```
     pub fn reach(&self, from: Twist, to: Twist, duration: f64) -> Twist {
-        Twist {
+        let reached = Twist {
             linear: step_toward(
                 from.linear,
                 to.linear,
@@ -107,6 +108,29 @@ impl Drive {
                 self.max_angular_acceleration * duration,
                 self.min_angular,
             ),
+        };
+        self.held_to_wheels(from, reached)
+    }
+
+    /// `reached` with the component that has grown since `from` cut back to what the faster wheel can do.
+    ///
+    /// The faster wheel runs at (|v| + W/2 |omega|)/r. Between two twists that it can do only one component grows where
+    /// it cannot do what lies between, and cut back that one still lies between the two.
+    fn held_to_wheels(&self, from: Twist, reached: Twist) -> Twist {
+        let (room, half_track) = (self.max_wheel_speed * self.wheel_radius, self.track_width / 2.0);
+        let (linear, turning) = (reached.linear.abs(), half_track * reached.angular.abs());
+        if linear + turning <= room {
+            return reached;
+        }
+        let (before, turned) = (from.linear.abs(), half_track * from.angular.abs());
+        if linear > before {
+            let linear = most(before, room - turning).copysign(reached.linear);
+            Twist { linear, ..reached }
+        } else if turning > turned {
+            let angular = (most(turned, room - linear) / half_track).copysign(reached.angular);
+            Twist { angular, ..reached }
+        } else {
+            reached
         }
     }
 
@@ -297,6 +321,21 @@ mod tests {
             let wheels = inverse(&drive, limited);
             prop_assert!(wheels.left.abs().max(wheels.right.abs()) <= drive.max_wheel_speed + 1e-12);
             prop_assert!((limited.linear * w - limited.angular * v).abs() < 1e-9);
+        }
+
+        /// The bug to fear: a robot with slow wheels that speeds up out of a curve, and one wheel is told too much.
+        #[test]
+        fn between_what_the_wheels_can_do_they_are_told_no_more(
+            (a, b, wa, wb) in (-1.0..1.0f64, -1.0..1.0f64, -9.0..9.0f64, -9.0..9.0f64),
+            (max_wheel_speed, track_width, duration) in (0.2..8.0f64, 0.01..1.0f64, 1e-6..0.03f64),
+        ) {
+            let drive = Drive { max_wheel_speed, track_width, ..Drive::default() };
+            let (from, to) = (drive.limited(Twist::new(a, wa)), drive.limited(Twist::new(b, wb)));
+            let reached = drive.reach(from, to, duration);
+            let wheels = inverse(&drive, reached);
+            let fastest = wheels.left.abs().max(wheels.right.abs());
+            prop_assert!(fastest <= max_wheel_speed * (1.0 + 1e-9), "{fastest}: {reached:?}");
+            prop_assert!(drive.change_time(from, reached) <= duration + 1e-9, "{reached:?}");
         }
 
         #[test]

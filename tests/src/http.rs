@@ -4,6 +4,7 @@ use crate::process::SOON;
 use crate::wait;
 use serde_json::Value;
 use std::net::SocketAddr;
+use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
@@ -77,6 +78,19 @@ pub async fn attempt(
 ) -> Option<Answer> {
     let all = request(server, method, path, headers, body);
     let bytes = wait::within(&format!("{method} {path}"), SOON, try_send(server, &all)).await?;
+    Answer::read(&bytes).filter(Answer::is_whole)
+}
+
+/// The same of a server that may also stand still: none where no whole answer comes `within` the time.
+pub async fn attempt_within(
+    server: SocketAddr,
+    method: &str,
+    path: &str,
+    body: &[u8],
+    within: Duration,
+) -> Option<Answer> {
+    let all = request(server, method, path, &[], body);
+    let bytes = tokio::time::timeout(within, try_send(server, &all)).await.ok()??;
     Answer::read(&bytes).filter(Answer::is_whole)
 }
 

@@ -3,7 +3,7 @@
 use crate::wait;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -83,8 +83,41 @@ impl Process {
         Self::spawn(name, arguments, Stdio::piped())
     }
 
+    /// The same with each line of its standard output given to `hear` as it comes, and kept nowhere.
+    ///
+    /// # Panics
+    /// Where it cannot be started.
+    pub fn start_heard(
+        name: &str,
+        arguments: &[&str],
+        hear: impl FnMut(String) + Send + 'static,
+    ) -> Self {
+        let command = Command::new(program(name));
+        Self::run(command, name, arguments, Stdio::piped(), |output| Lines::hear(output, hear))
+    }
+
+    /// Starts the program `name` so that a write beyond a limit of file sizes fails, as on a full disk: the signal that
+    /// would end it is ignored. std has no safe call for that, so a shell does it and becomes the program.
+    ///
+    /// # Panics
+    /// Where it cannot be started.
+    pub fn start_limited(name: &str, arguments: &[&str]) -> Self {
+        let mut command = Command::new("sh");
+        command.args(["-c", "trap '' XFSZ; exec \"$0\" \"$@\""]).arg(program(name));
+        Self::run(command, name, arguments, Stdio::null(), Lines::follow)
+    }
+
     fn spawn(name: &str, arguments: &[&str], input: Stdio) -> Self {
-        let mut command = Command::new(program(name));
+        Self::run(Command::new(program(name)), name, arguments, input, Lines::follow)
+    }
+
+    fn run(
+        mut command: Command,
+        name: &str,
+        arguments: &[&str],
+        input: Stdio,
+        output: impl FnOnce(ChildStdout) -> Arc<Lines>,
+    ) -> Self {
         command.args(arguments).stdin(input).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Settings of whoever runs the tests are not theirs.
         for (variable, _) in std::env::vars_os() {
@@ -96,7 +129,7 @@ impl Process {
         Self {
             name: format!("{name} {}", arguments.join(" ")),
             input: child.stdin.take(),
-            output: Lines::follow(child.stdout.take().expect("it is piped")),
+            output: output(child.stdout.take().expect("it is piped")),
             log: Lines::follow(child.stderr.take().expect("it is piped")),
             child,
         }
@@ -127,6 +160,16 @@ impl Process {
     pub fn write_line(&mut self, line: &str) -> bool {
         let input = self.input.as_mut().expect("started with an input");
         writeln!(input, "{line}").and_then(|()| input.flush()).is_ok()
+    }
+
+    /// Its standard input, for somebody else to write to; none where it was started without or it was taken already.
+    pub fn take_input(&mut self) -> Option<ChildStdin> {
+        self.input.take()
+    }
+
+    /// Its number in the system.
+    pub fn id(&self) -> u32 {
+        self.child.id()
     }
 
     /// Closes its standard input.
@@ -207,16 +250,37 @@ struct Heard {
 impl Lines {
     fn follow(stream: impl Read + Send + 'static) -> Arc<Self> {
         let lines = Arc::new(Self::default());
-        let writer = Arc::clone(&lines);
+        let kept = Arc::clone(&lines);
+        Self::read_each(&lines, stream, move |line| {
+            kept.read().lines.push(line);
+            kept.changed.notify_all();
+        });
+        lines
+    }
+
+    /// Keeps none of them.
+    fn hear(
+        stream: impl Read + Send + 'static,
+        each: impl FnMut(String) + Send + 'static,
+    ) -> Arc<Self> {
+        let lines = Arc::new(Self::default());
+        Self::read_each(&lines, stream, each);
+        lines
+    }
+
+    fn read_each(
+        lines: &Arc<Self>,
+        stream: impl Read + Send + 'static,
+        mut each: impl FnMut(String) + Send + 'static,
+    ) {
+        let writer = Arc::clone(lines);
         std::thread::spawn(move || {
             for line in BufReader::new(stream).split(b'\n').map_while(Result::ok) {
-                writer.read().lines.push(String::from_utf8_lossy(&line).into_owned());
-                writer.changed.notify_all();
+                each(String::from_utf8_lossy(&line).into_owned());
             }
             writer.read().is_over = true;
             writer.changed.notify_all();
         });
-        lines
     }
 
     /// Line `index`, `Some(None)` where the stream ends before it, none where it does not come `within` the time.

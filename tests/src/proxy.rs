@@ -1,8 +1,10 @@
 //! A link between agent and server: a TCP proxy on loopback that delays, goes dead and comes back.
 //!
 //! Bytes keep their order, as TCP's do. A dead link loses nothing that TCP would not send again: what was under way
-//! arrives when the link is back. Connections open through a dead link, and then nothing comes: half open.
+//! arrives when the link is back. Connections open through a dead link, and then nothing comes: half open. Connections
+//! that there are can be made later than new ones, which then overtake them, or forgotten for good.
 
+use crate::tap::Tap;
 use std::net::SocketAddr;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -23,6 +25,13 @@ struct Link {
     is_dead: bool,
     /// Connections of an earlier generation are closed.
     generation: u64,
+    /// Counts what befalls the connections that there are, and not those that are opened later.
+    era: u64,
+    /// Connections opened before this era are later than others by this much, both ways.
+    lame_before: u64,
+    lame: Duration,
+    /// What is sent on connections opened before this era goes nowhere.
+    swallowed_before: u64,
 }
 
 /// A running proxy. It ends, and its connections with it, when it is dropped.
@@ -30,6 +39,7 @@ struct Link {
 pub struct Proxy {
     address: SocketAddr,
     link: watch::Sender<Link>,
+    tap: Tap,
     accepting: JoinHandle<()>,
 }
 
@@ -42,8 +52,14 @@ impl Proxy {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("a free port");
         let address = listener.local_addr().expect("it is bound");
         let link = watch::Sender::new(Link::default());
-        let accepting = tokio::spawn(accept(listener, server, link.subscribe()));
-        Self { address, link, accepting }
+        let tap = Tap::default();
+        let accepting = tokio::spawn(accept(listener, server, link.subscribe(), tap.clone()));
+        Self { address, link, tap, accepting }
+    }
+
+    /// What the agent said last.
+    pub fn tap(&self) -> &Tap {
+        &self.tap
     }
 
     /// Where to connect instead of the server.
@@ -66,6 +82,24 @@ impl Proxy {
         self.link.send_modify(|link| link.is_dead = false);
     }
 
+    /// Delays what is sent from now on over the connections that there are: what takes a fresh one overtakes it.
+    /// Zero ends it.
+    pub fn lame(&self, late: Duration) {
+        self.link.send_modify(|link| {
+            link.era += 1;
+            (link.lame_before, link.lame) = (link.era, late);
+        });
+    }
+
+    /// Lets nothing through any more over the connections that there are, for good, their ends included: half open, as
+    /// behind a router that has forgotten them. New ones are as good as ever.
+    pub fn swallow(&self) {
+        self.link.send_modify(|link| {
+            link.era += 1;
+            link.swallowed_before = link.era;
+        });
+    }
+
     /// Closes all connections; new ones are accepted.
     pub fn drop_connections(&self) {
         self.link.send_modify(|link| link.generation += 1);
@@ -78,15 +112,15 @@ impl Drop for Proxy {
     }
 }
 
-async fn accept(listener: TcpListener, server: SocketAddr, link: watch::Receiver<Link>) {
+async fn accept(listener: TcpListener, server: SocketAddr, link: watch::Receiver<Link>, tap: Tap) {
     while let Ok((agent, _)) = listener.accept().await {
-        tokio::spawn(connect(agent, server, link.clone()));
+        tokio::spawn(connect(agent, server, link.clone(), tap.clone()));
     }
 }
 
 /// Carries one connection until both sides have ended it, it is dropped, or the proxy is.
-async fn connect(agent: TcpStream, server: SocketAddr, link: watch::Receiver<Link>) {
-    let generation = link.borrow().generation;
+async fn connect(agent: TcpStream, server: SocketAddr, link: watch::Receiver<Link>, tap: Tap) {
+    let Link { generation, era, .. } = *link.borrow();
     let Ok(server) = TcpStream::connect(server).await else { return };
     if agent.set_nodelay(true).and(server.set_nodelay(true)).is_err() {
         return;
@@ -94,8 +128,17 @@ async fn connect(agent: TcpStream, server: SocketAddr, link: watch::Receiver<Lin
     let (from_agent, to_agent) = agent.into_split();
     let (from_server, to_server) = server.into_split();
     let (mut changes, mut proxy) = (link.clone(), link.clone());
-    let up = carry(from_agent, to_server, link.clone(), |link| link.up);
-    let down = carry(from_server, to_agent, link, |link| link.down);
+    let lame = move |link: &Link| {
+        if era < link.lame_before { link.lame } else { Duration::ZERO }
+    };
+    let up = Way {
+        era,
+        delay: |link: &Link| link.up + lame(link),
+        hear: |bytes: &[u8]| tap.hear(bytes),
+    };
+    let down = Way { era, delay: |link: &Link| link.down + lame(link), hear: |_: &[u8]| {} };
+    let up = carry(from_agent, to_server, link.clone(), up);
+    let down = carry(from_server, to_agent, link, down);
     tokio::select! {
         _ = async { tokio::join!(up, down) } => {}
         _ = changes.wait_for(|link| link.generation != generation) => {}
@@ -103,23 +146,39 @@ async fn connect(agent: TcpStream, server: SocketAddr, link: watch::Receiver<Lin
     }
 }
 
+/// One direction of a connection: when it was opened, how late it is, and who hears what is said.
+struct Way<D, H> {
+    era: u64,
+    delay: D,
+    hear: H,
+}
+
 /// Carries one direction to its end.
-async fn carry(
+async fn carry<D: Fn(&Link) -> Duration, H: Fn(&[u8])>(
     mut from: OwnedReadHalf,
     mut to: OwnedWriteHalf,
     link: watch::Receiver<Link>,
-    delay: fn(&Link) -> Duration,
+    way: Way<D, H>,
 ) {
+    let Way { era, delay, hear } = way;
+    let is_swallowed = |link: &watch::Receiver<Link>| era < link.borrow().swallowed_before;
     let (sender, mut under_way) = mpsc::channel::<(Instant, Vec<u8>)>(UNDER_WAY);
     let read = {
         let link = link.clone();
         async move {
             let mut bytes = vec![0; 16 * 1024];
             while let Ok(count @ 1..) = from.read(&mut bytes).await {
+                hear(&bytes[..count]);
+                if is_swallowed(&link) {
+                    continue;
+                }
                 let arrival = Instant::now() + delay(&link.borrow());
                 if sender.send((arrival, bytes[..count].to_vec())).await.is_err() {
                     return;
                 }
+            }
+            if is_swallowed(&link) {
+                std::future::pending::<()>().await;
             }
         }
     };
@@ -127,9 +186,10 @@ async fn carry(
         let mut link = link;
         while let Some((arrival, bytes)) = under_way.recv().await {
             sleep_until(arrival).await;
-            if link.wait_for(|link| !link.is_dead).await.is_err()
-                || to.write_all(&bytes).await.is_err()
-            {
+            if link.wait_for(|link| !link.is_dead).await.is_err() {
+                return;
+            }
+            if era >= link.borrow().swallowed_before && to.write_all(&bytes).await.is_err() {
                 return;
             }
         }
@@ -211,6 +271,36 @@ mod tests {
             stream.read_exact(&mut answer).await.unwrap();
             assert_eq!(&answer, b"held");
         }
+    }
+
+    /// The bug to fear: requests are never really overtaken, and a test of reordering shows nothing.
+    #[tokio::test]
+    async fn a_fresh_connection_overtakes_a_lame_one() {
+        let proxy = Proxy::start(echo().await).await;
+        let mut old = TcpStream::connect(proxy.address()).await.unwrap();
+        round_trip(&mut old, b"x").await;
+        proxy.lame(Duration::from_millis(150));
+        let begin = Instant::now();
+        old.write_all(b"old").await.unwrap();
+        let mut fresh = TcpStream::connect(proxy.address()).await.unwrap();
+        round_trip(&mut fresh, b"fresh").await;
+        let overtaken = tokio::time::timeout(Duration::ZERO, old.read(&mut [0; 3])).await;
+        assert!(overtaken.is_err() || begin.elapsed() >= Duration::from_millis(300));
+        assert_eq!(round_trip(&mut old, b"").await, b"");
+        old.read_exact(&mut [0; 3]).await.unwrap();
+        assert!(begin.elapsed() >= Duration::from_millis(300), "up and down");
+    }
+
+    #[tokio::test]
+    async fn a_forgotten_connection_stays_open_and_carries_nothing() {
+        let proxy = Proxy::start(echo().await).await;
+        let mut old = TcpStream::connect(proxy.address()).await.unwrap();
+        round_trip(&mut old, b"x").await;
+        proxy.swallow();
+        let silence = tokio::time::timeout(Duration::from_millis(100), round_trip(&mut old, b"y"));
+        assert!(silence.await.is_err(), "neither an answer nor an end");
+        let mut fresh = TcpStream::connect(proxy.address()).await.unwrap();
+        assert_eq!(round_trip(&mut fresh, b"z").await, b"z");
     }
 
     #[tokio::test]

@@ -42,7 +42,14 @@ impl Server {
     pub fn start_on(listen: &str, flags: &[&str]) -> Self {
         let memory: &[&str] = if flags.contains(&"--data") { &[] } else { &["--in-memory"] };
         let flags = [&["--listen", listen], memory, flags].concat();
-        let process = Process::start("umwelt-server", &flags);
+        Self::of(Process::start("umwelt-server", &flags))
+    }
+
+    /// The server that `process` is, once it listens.
+    ///
+    /// # Panics
+    /// Where it does not.
+    pub fn of(process: Process) -> Self {
         let first = process.line(0).unwrap_or_default();
         let address = first.strip_prefix(LISTENING).and_then(|address| address.parse().ok());
         let address =

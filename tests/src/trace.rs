@@ -1,6 +1,6 @@
 //! What a robot did, and the limits that it kept.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::path::Path;
 use umwelt_agent::TraceRow;
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
@@ -45,30 +45,68 @@ pub fn twist(drive: &Drive, row: &TraceRow) -> Twist {
     kinematics::forward(drive, row.applied)
 }
 
-/// Checks that wheel and body speeds and their changes kept the limits of `drive` at every moment.
+/// The limits of a drive, kept by what a robot is told one by one: wheel and body speeds, and their changes.
 ///
 /// Over any time the change is what the acceleration limits allow in that time and one slot more, which may come at
 /// once as in any stepped command; the step between rest and the smallest speed is free.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    drive: Drive,
+    recent: VecDeque<(f64, Twist)>,
+}
+
+impl Limits {
+    /// Those of `drive`, of a robot that has been told nothing yet.
+    pub fn new(drive: Drive) -> Self {
+        Self { drive, recent: VecDeque::new() }
+    }
+
+    /// Takes in that the wheels are told `applied` from `time` s on; says which limit that does not keep.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&mut self, time: f64, applied: WheelSpeeds) -> Result<(), String> {
+        let drive = &self.drive;
+        let now = kinematics::forward(drive, applied);
+        let wheel = applied.left.abs().max(applied.right.abs());
+        // What is no number is within no limit.
+        let is_slow = now.linear.abs() <= drive.max_linear + ROUNDING * 1e-3
+            && now.angular.abs() <= drive.max_angular + ROUNDING * 1e-2;
+        let is_wheel_slow = wheel <= drive.max_wheel_speed + ROUNDING * 1e-2;
+        while self.recent.front().is_some_and(|(before, _)| *before + WINDOW < time) {
+            self.recent.pop_front();
+        }
+        let mut wrong = None;
+        for &(before, twist) in &self.recent {
+            let allowed = time - before + SLOT + ROUNDING;
+            let needed = drive.change_time(twist, now);
+            if time < before {
+                wrong = Some(format!("time goes back from {before} s to {time} s"));
+            } else if needed > allowed {
+                wrong = Some(format!(
+                    "{needed} s of acceleration in {allowed} s, from {twist:?} to {now:?} at {time} s"
+                ));
+            }
+        }
+        self.recent.push_back((time, now));
+        match wrong {
+            _ if !is_slow => Err(format!("too fast: {now:?} at {time} s")),
+            _ if !is_wheel_slow => Err(format!("wheel too fast: {applied:?} at {time} s")),
+            Some(wrong) => Err(wrong),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Checks that wheel and body speeds and their changes kept the limits of `drive` at every moment.
 ///
 /// # Panics
 /// Where a limit was not kept.
 pub fn assert_within_limits(rows: &[TraceRow], drive: &Drive) {
     assert!(rows.len() > 10, "a trace of {} rows shows nothing", rows.len());
-    for (index, row) in rows.iter().enumerate() {
-        let now = twist(drive, row);
-        assert!(now.linear.abs() <= drive.max_linear + ROUNDING * 1e-3, "too fast: {row:?}");
-        assert!(now.angular.abs() <= drive.max_angular + ROUNDING * 1e-2, "too fast: {row:?}");
-        let wheel = row.applied.left.abs().max(row.applied.right.abs());
-        assert!(wheel <= drive.max_wheel_speed + ROUNDING * 1e-2, "wheel too fast: {row:?}");
-        for later in rows[index + 1..].iter().take_while(|later| later.time <= row.time + WINDOW) {
-            assert!(later.time >= row.time, "time goes back: {row:?} {later:?}");
-            let allowed = later.time - row.time + SLOT + ROUNDING;
-            let needed = drive.change_time(now, twist(drive, later));
-            assert!(
-                needed <= allowed,
-                "{needed} s of acceleration in {allowed} s: {row:?} {later:?}"
-            );
-        }
+    let mut limits = Limits::new(*drive);
+    for row in rows {
+        assert_eq!(limits.check(row.time, row.applied), Ok(()), "{row:?}");
     }
 }
 

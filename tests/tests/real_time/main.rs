@@ -6,6 +6,7 @@
 
 mod agreement;
 mod comparison;
+mod faults;
 mod fleet;
 mod kills;
 mod outage;
