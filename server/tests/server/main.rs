@@ -20,5 +20,6 @@ mod robots;
 mod shutdown;
 mod sockets;
 mod steps;
+mod stops;
 mod stores;
 mod submissions;
