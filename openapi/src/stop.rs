@@ -5,6 +5,13 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 /// The answer to stopping or resuming one robot.
+///
+/// ```
+/// use umwelt_api::stop::Stop;
+/// let of_an_earlier_server: Stop = serde_json::from_str(r#"{"robot": "rover-7", "stopped": true}"#)?;
+/// assert!(of_an_earlier_server.kept);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[schema(as = stop::Stop)]
 pub struct Stop {

@@ -1,6 +1,7 @@
 //! The controller server of Umwelt: robots, tasks, steps, stops, environments and events over HTTP.
 //!
-//! One tokio task per robot owns its controller and its session with the agent (`robot`); requests reach it
+//! One task per robot owns its controller and its session with the agent (`robot`), on threads that do nothing else, so
+//! that no computation holds up connections, stops or health; requests reach it
 //! through a bounded queue, and what it shows goes out through a `watch`, so that a reader never waits for a robot
 //! and a slow robot never slows another. What must outlive the process goes through the [`Store`].
 //!

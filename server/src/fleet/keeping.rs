@@ -326,7 +326,11 @@ impl Fleet {
     /// Notes that the store does not hold the word of `arrival` about `robots`. Returns whether it held all about them.
     fn mark(&self, robots: &[Arc<Robot>], arrival: Arrival) -> bool {
         let mut unkept = self.unkept();
-        robots.iter().fold(true, |is_first, robot| unkept.mark(robot.id(), arrival) && is_first)
+        let mut is_first = true;
+        for robot in robots {
+            is_first &= unkept.mark(robot.id(), arrival);
+        }
+        is_first
     }
 
     fn unkept(&self) -> MutexGuard<'_, Unkept> {

@@ -2,6 +2,10 @@
 //!
 //! The last word wins: each request takes its place when it arrives ([`Arrival`]). A stop acts first and is kept then;
 //! a resume is kept first and acts then, unless a stop has come meanwhile (`keeping` says how they are kept).
+//!
+//! Of two requests on two connections, sent one after the other, either may arrive first, by some milliseconds where the
+//! machine is busy. Nobody can tell then, so the stop wins: it acts when it arrives, and once more after [`SETTLES`],
+//! before it is acknowledged.
 
 use super::{Fleet, to_the_end};
 use crate::failure::Failure;
@@ -10,8 +14,12 @@ use futures_util::future::join_all;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
 use umwelt_api::problem::{Detail, MAX_DETAILS, Status, reason};
+
+/// How long after its arrival a stop takes its final place: far above what two connections differ by, far below what a
+/// person notices.
+const SETTLES: Duration = Duration::from_millis(20);
 
 /// Longest wait until robots that may go on show it: it holds all the same.
 const SHOW: Duration = Duration::from_secs(1);
@@ -20,7 +28,7 @@ impl Fleet {
     /// Stops a robot. It rests from its next exchange on, whatever its task and the store do. Returns whether that is
     /// kept: where it is not, a restart now would let the robot go on.
     pub(crate) async fn stop(&self, robot: Arc<Robot>) -> Result<bool, Failure> {
-        let kept = self.stop_these(vec![Arc::clone(&robot)], self.0.arrivals.next()).await;
+        let kept = self.stop_these(vec![Arc::clone(&robot)], self.0.arrivals.next()).await?;
         if robot.is_alive() { Ok(kept) } else { Err(robot.ended()) }
     }
 
@@ -29,7 +37,7 @@ impl Fleet {
         // First its place, then the robots: one that comes later is not meant.
         let arrival = self.0.arrivals.next();
         let robots = self.robots(None);
-        let kept = self.stop_these(robots.clone(), arrival).await;
+        let kept = self.stop_these(robots.clone(), arrival).await?;
         let count = robots.len();
         // One whose computation does not end was told: it rests once it ends.
         let missed: Vec<_> = robots.into_iter().filter(|robot| !robot.is_alive()).collect();
@@ -68,10 +76,23 @@ impl Fleet {
     }
 
     /// Stops `robots` at once and keeps it; returns whether it is kept.
-    async fn stop_these(&self, mut robots: Vec<Arc<Robot>>, arrival: Arrival) -> bool {
-        // One that a later resume has let go on already is not stopped by this any more.
-        robots.retain(|robot| robot.stop(arrival).is_stopped());
-        self.keep_stops(robots, arrival).await
+    async fn stop_these(
+        &self,
+        mut robots: Vec<Arc<Robot>>,
+        arrival: Arrival,
+    ) -> Result<bool, Failure> {
+        for robot in &robots {
+            robot.stop(arrival);
+        }
+        let fleet = self.clone();
+        to_the_end(async move {
+            sleep(SETTLES).await;
+            let place = fleet.0.arrivals.next();
+            // One that a later resume has let go on already is not stopped by this any more.
+            robots.retain(|robot| robot.stop(place).is_stopped());
+            Ok(fleet.keep_stops(robots, place).await)
+        })
+        .await
     }
 
     /// Lets `robots` go on once that is kept. Returns those that a stop has overtaken, which rest.

@@ -70,7 +70,10 @@ fn run(journal: &Mutex<StopJournal>, asked: &Receiver<Append>) {
         let (entries, done): (Vec<_>, Vec<_>) = group.map(|it| (it.entries, it.done)).unzip();
         let written = write(journal, &entries.concat());
         for done in done {
-            let result = written.as_ref().map(|()| ()).map_err(|error| same(error));
+            let result = match &written {
+                Ok(()) => Ok(()),
+                Err(error) => Err(same(error)),
+            };
             // Whoever asked may have given up.
             let _ = done.send(result);
         }

@@ -23,5 +23,6 @@ mod robots;
 mod shutdown;
 mod sockets;
 mod steps;
+mod stops;
 mod stores;
 mod submissions;
