@@ -4,6 +4,7 @@
 //! the close; a header that comes byte by byte is an attack. When the time is over the reader sees the end of the
 //! stream, as if the peer had closed: hyper ends the connection in order.
 
+use futures_util::task::AtomicWaker;
 use std::io;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -22,6 +23,9 @@ pub(super) struct Activity {
     unanswered: AtomicUsize,
     /// HTTP/2 has pings instead.
     is_http2: AtomicBool,
+    /// Who reads. hyper does not ask again for what it was told is not there yet: so the end of an answer, where the
+    /// wait begins, has to wake it.
+    reader: AtomicWaker,
 }
 
 /// A request that is being answered, until it is dropped.
@@ -47,6 +51,9 @@ impl Activity {
 impl Drop for Answering {
     fn drop(&mut self) {
         self.0.unanswered.fetch_sub(1, Ordering::Relaxed);
+        if !self.0.is_http2.load(Ordering::Relaxed) {
+            self.0.reader.wake();
+        }
     }
 }
 
@@ -99,6 +106,7 @@ impl<S> Patient<S> {
 
     /// Whether the time of the wait is over; wakes the reader when it is.
     fn is_over(&mut self, context: &mut Context<'_>) -> bool {
+        self.activity.reader.register(context.waker());
         let Some(until) = self.note(false) else { return false };
         let alarm = self.alarm.get_or_insert_with(|| Box::pin(sleep_until(until)));
         if alarm.deadline() != until {
@@ -221,6 +229,20 @@ mod tests {
             let waited = tokio::time::timeout(10 * IDLE, read(&mut stream)).await;
             assert!(waited.is_err(), "HTTP/2: {is_http2}");
         }
+    }
+
+    /// The bug to fear: whoever was last read from during an answer is never looked at again, and stays for ever.
+    #[tokio::test(start_paused = true)]
+    async fn the_wait_begins_with_the_end_of_the_answer_though_nobody_reads_again() {
+        let (_peer, mut stream, activity) = connection();
+        let answering = activity.begin(false);
+        let reading = tokio::spawn(async move { read(&mut stream).await });
+        tokio::time::sleep(2 * IDLE).await;
+        assert!(!reading.is_finished());
+        drop(answering);
+        let (bytes, waited) = tokio::time::timeout(10 * IDLE, reading).await.unwrap().unwrap();
+        assert_eq!(bytes, 0);
+        assert!((3 * IDLE..3 * IDLE + HEADER / 2).contains(&waited), "{waited:?}");
     }
 
     #[tokio::test(start_paused = true)]
