@@ -117,6 +117,9 @@ pub(crate) struct Serve {
     /// Keep everything in memory: it is gone when the server ends. For tests and demonstrations.
     #[arg(long, env = "UMWELT_IN_MEMORY", conflicts_with = "data")]
     in_memory: bool,
+    /// Seconds between two writes of what a robot has learned: a crash costs that much. Shorter wears out flash sooner.
+    #[arg(long, env = "UMWELT_SAVE_EVERY_S", value_name = "S", default_value = "5", value_parser = seconds)]
+    save_every_s: Duration,
     /// Most evolutions to keep that have ended; the oldest go first.
     #[arg(long, env = "UMWELT_KEEP_EVOLUTIONS", value_name = "N", default_value_t = Config::default().keep_evolutions)]
     keep_evolutions: usize,
@@ -187,6 +190,7 @@ impl Serve {
         Config {
             listen: self.listen,
             data: (!self.in_memory).then(|| self.data.clone()),
+            save_every: self.save_every_s,
             keep_evolutions: self.keep_evolutions,
             max_queued_evolutions: self.max_queued_evolutions,
             keep_comparisons: self.keep_comparisons,

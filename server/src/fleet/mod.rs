@@ -75,7 +75,7 @@ impl Fleet {
         for StoredRobot { id, record, saved } in robots {
             fleet.insert(id, record, saved);
         }
-        saving::start(&fleet);
+        saving::start(&fleet, config.save_every);
         fleet
     }
 
