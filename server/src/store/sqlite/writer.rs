@@ -25,7 +25,7 @@ const MAX_GROUP: usize = 256;
 /// write again and again, so that what they change again and again is brought in seldom.
 pub(super) const IDLE: Duration = Duration::from_secs(6);
 
-/// Of 100, which are 40 steps of niceness, the lowest of them 20: niceness 10.
+/// A quarter of the way from the lowest priority to the highest: niceness 9.
 const LOW: u8 = 25;
 
 /// What the writer can be asked for.
