@@ -26,7 +26,8 @@ const MB: usize = 1 << 20;
 ///
 /// The first line on standard output says where the server listens; logs go to standard error.
 /// Robots, tasks, what they learned, priors, evolutions and comparisons are kept in the data directory and found again there;
-/// what is acknowledged is on the disk. One server at a time uses a directory.
+/// what is acknowledged is on the disk. One server at a time uses a directory. Where data are damaged the server does not
+/// start and names them; where the disk is full it serves what it has, stops robots, and refuses other changes.
 /// SIGTERM and SIGINT stop every robot, then the server.
 ///
 /// Exit status: 0 after a shutdown, 1 if it failed, 2 if the call was wrong.
@@ -141,6 +142,9 @@ pub(crate) struct Serve {
     /// Keep everything in memory: it is gone when the server ends. For tests and demonstrations.
     #[arg(long, env = "UMWELT_IN_MEMORY", conflicts_with = "data")]
     in_memory: bool,
+    /// Seconds between two writes of what a robot has learned: a crash costs that much. Shorter wears out flash sooner.
+    #[arg(long, env = "UMWELT_SAVE_EVERY_S", value_name = "S", default_value = "5", value_parser = seconds)]
+    save_every_s: Duration,
     /// Most evolutions to keep that have ended; the oldest go first.
     #[arg(long, env = "UMWELT_KEEP_EVOLUTIONS", value_name = "N", default_value_t = Config::default().keep_evolutions)]
     keep_evolutions: usize,
@@ -245,6 +249,7 @@ impl Serve {
             token: self.token_file.as_deref().map(read_token).transpose()?,
             allow_insecure: self.allow_insecure,
             data: (!self.in_memory).then(|| self.data.clone()),
+            save_every: self.save_every_s,
             keep_evolutions: self.keep_evolutions,
             max_queued_evolutions: self.max_queued_evolutions,
             keep_comparisons: self.keep_comparisons,

@@ -27,6 +27,9 @@ pub struct Config {
     /// Directory of everything that outlives the process, for one server at a time; none keeps it in memory, and it is
     /// gone with the server. `umwelt-server` itself takes `./umwelt-data` where nothing is said.
     pub data: Option<PathBuf>,
+    /// Time between two writes of what a robot has learned: a crash costs at most this and one write, or a twentieth of
+    /// what was learned. Shorter wears out flash sooner.
+    pub save_every: Duration,
     /// Evolutions that have ended and are kept; the oldest go first. Each may hold some MB.
     pub keep_evolutions: usize,
     /// Evolutions that may wait for their turn.
@@ -117,6 +120,7 @@ impl Default for Config {
             token: None,
             allow_insecure: false,
             data: None,
+            save_every: Duration::from_secs(5),
             keep_evolutions: 200,
             max_queued_evolutions: 16,
             keep_comparisons: 50,

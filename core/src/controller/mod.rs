@@ -4,6 +4,7 @@
 //! state can be stored and restored; the same state and requests give the same horizons.
 
 pub mod compensation;
+mod news;
 mod plan;
 mod record;
 mod saved;
@@ -21,6 +22,7 @@ use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use arrayvec::ArrayVec;
 use compensation::{Compensation, Identified};
+pub use news::GROWTH;
 use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
 pub use saved::Saved;

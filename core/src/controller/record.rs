@@ -102,6 +102,16 @@ impl Record {
         self.left = None;
     }
 
+    /// Waypoints at which the robot was seen at rest.
+    pub fn reached(&self) -> usize {
+        self.reached
+    }
+
+    /// Time in s since the task began.
+    pub fn elapsed(&self) -> f64 {
+        self.elapsed
+    }
+
     /// As it is shown.
     pub fn progress(&self, stage: Stage, legs: usize) -> Progress {
         let Self { reached, deviation, max_deviation, elapsed, .. } = *self;

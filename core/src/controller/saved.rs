@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 /// Its stored form is of version [`STATE_VERSION`](super::STATE_VERSION); one of another version is not taken up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Saved {
-    belief: Belief,
-    phase: Phase,
-    record: Record,
+    pub(super) belief: Belief,
+    pub(super) phase: Phase,
+    pub(super) record: Record,
 }
 
 impl Saved {

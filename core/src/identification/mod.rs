@@ -67,6 +67,11 @@ impl Belief {
         self.channels.iter().map(ChannelBelief::samples).sum()
     }
 
+    /// What is believed of every channel.
+    pub fn channels(&self) -> &[ChannelBelief] {
+        &self.channels
+    }
+
     /// One channel's belief.
     pub fn channel(&self, channel: Channel) -> &ChannelBelief {
         &self.channels[channel as usize]

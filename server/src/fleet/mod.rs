@@ -94,7 +94,7 @@ impl Fleet {
             stops.merge(&id, &mut record);
             fleet.insert(id, record, saved, None);
         }
-        saving::start(&fleet);
+        saving::start(&fleet, config.save_every);
         keeping::start(&fleet);
         fleet
     }

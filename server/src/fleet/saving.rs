@@ -1,6 +1,7 @@
 //! Keeping what the robots learn: one background task reads what they show and writes all that is new in one commit.
 //!
-//! No robot's task waits for it, and it waits for none.
+//! No robot's task waits for it, and it waits for none. A disk wears out with every write: what robots learn is kept
+//! by how much that is ([`Saved::is_news_after`](umwelt_core::controller::Saved::is_news_after)), and seldom.
 
 use super::{Fleet, Inner};
 use crate::robot::Snapshot;
@@ -8,54 +9,92 @@ use crate::store::Change;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_api::RobotId;
 
-/// How often what the robots learn is kept: a crash costs at most this and one write, well below a second.
-const SAVE_EVERY: Duration = Duration::from_millis(500);
+/// How often it is looked whether a round is due, and what the store refused is tried again: well below a second.
+const TICK: Duration = Duration::from_millis(500);
+
+/// What has changed by little is kept all the same after this long: a write a minute wears out no disk.
+const KEEP_WITHIN: Duration = Duration::from_secs(60);
 
 /// A store to which nothing was written for this long is tried, so that readiness does not speak of long ago.
 const IDLE: Duration = Duration::from_secs(10);
 
-/// What each robot showed when it was last kept.
-pub(super) type Saver = BTreeMap<RobotId, Arc<Snapshot>>;
+/// What each robot showed when it was last kept, and when that was.
+pub(super) type Saver = BTreeMap<RobotId, (Arc<Snapshot>, Instant)>;
 
-/// Saves what the robots of `fleet` learn as long as it is there.
-pub(super) fn start(fleet: &Fleet) {
+/// What is worth a write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Worth {
+    /// News, and what has not been kept for long.
+    News,
+    /// Whatever has changed.
+    Change,
+}
+
+/// Saves what the robots of `fleet` learn as long as it is there, in rounds at least `every` apart.
+pub(super) fn start(fleet: &Fleet, every: Duration) {
     let fleet: Weak<Inner> = Arc::downgrade(&fleet.0);
-    let mut ticks = interval(SAVE_EVERY);
+    let mut ticks = interval(TICK.min(every));
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     tokio::spawn(async move {
+        let mut round: Option<Instant> = None;
         loop {
-            ticks.tick().await;
+            let now = ticks.tick().await;
             let Some(inner) = fleet.upgrade() else { return };
             let fleet = Fleet(inner);
-            fleet.save().await;
+            if round.is_none_or(|round| now.duration_since(round) >= every) {
+                round = Some(now);
+                fleet.save_what_is(Worth::News).await;
+            }
             fleet.0.keeper.probe(IDLE).await;
         }
     });
 }
 
 impl Fleet {
-    /// Keeps what every robot has learned since it was last kept. What cannot be kept now is tried again the next
-    /// time; the keeper says so once.
+    /// Keeps what every robot has learned since it was last kept, however little.
     pub(crate) async fn save(&self) {
+        self.save_what_is(Worth::Change).await;
+    }
+
+    /// All of it in one commit. What cannot be kept now is tried again in the next round; the keeper says so once.
+    async fn save_what_is(&self, worth: Worth) {
         let mut saver = self.0.saver.lock().await;
+        let now = Instant::now();
         let mut shown = Saver::new();
         let mut changes = Vec::new();
         for robot in self.robots(None) {
             let (id, snapshot) = (robot.id().clone(), robot.snapshot());
-            let is_kept = saver
-                .get(&id)
-                .is_some_and(|kept| Arc::ptr_eq(kept, &snapshot) || kept.is_learned_as(&snapshot));
-            if !is_kept {
-                let posterior = Box::new(snapshot.posterior());
-                changes.push(Change::PutPosterior(id.clone(), posterior));
+            match saver.get(&id) {
+                Some(kept) if !is_worth(worth, kept, &snapshot, now) => {
+                    shown.insert(id, kept.clone());
+                }
+                _ => {
+                    let posterior = Box::new(snapshot.posterior());
+                    changes.push(Change::PutPosterior(id.clone(), posterior));
+                    shown.insert(id, (snapshot, now));
+                }
             }
-            shown.insert(id, snapshot);
         }
         if changes.is_empty() || self.0.keeper.commit(changes).await.is_ok() {
             *saver = shown;
         }
     }
+}
+
+fn is_worth(
+    worth: Worth,
+    (kept, when): &(Arc<Snapshot>, Instant),
+    now_shown: &Arc<Snapshot>,
+    now: Instant,
+) -> bool {
+    let has_changed = !Arc::ptr_eq(kept, now_shown) && !kept.is_learned_as(now_shown);
+    let is_due = || {
+        worth == Worth::Change
+            || now.duration_since(*when) >= KEEP_WITHIN
+            || now_shown.is_news_after(kept)
+    };
+    has_changed && is_due()
 }

@@ -184,6 +184,11 @@ impl Snapshot {
         self.revision == other.revision && self.saved == other.saved
     }
 
+    /// Whether it has learned or done something of weight since `kept`.
+    pub(crate) fn is_news_after(&self, kept: &Self) -> bool {
+        self.revision != kept.revision || self.saved.is_news_after(&kept.saved)
+    }
+
     /// What would outlive a restart after `change`.
     pub(crate) fn saved_after(&self, change: impl FnOnce(&mut Controller)) -> Saved {
         let settings = self.described.settings;

@@ -71,13 +71,13 @@ fn set_mode(path: &Path, mode: u32) {
     fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
 }
 
-/// The bug to fear: the last half second before an ordered end is lost, or the file needs its log beside it.
+/// The bug to fear: the last seconds before an ordered end is lost, or the file needs its log beside it.
 #[tokio::test]
 async fn the_end_of_a_server_keeps_all_that_robots_learned() {
     let directory = tempdir().unwrap();
     let data = directory.path().join("made/by/the/server");
     let mut command = serve(&data);
-    // No time for the task that keeps it twice a second.
+    // No time for the task that keeps it now and then.
     command.args(["--drain-s", "0.001"]);
     let (child, address) = start(command);
     let put = request(address, "PUT", "/v1/robots/r", "{}").await;

@@ -2,7 +2,7 @@
 
 use crate::api::{Api, config, step};
 use serde_json::json;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use tokio::sync::watch;
 use umwelt_server::store::{Change, Contents, JobId, MemoryStore, Part, StoreError};
@@ -14,6 +14,7 @@ pub(crate) struct Faulty {
     memory: MemoryStore,
     fault: AtomicU8,
     posteriors: Mutex<Vec<Change>>,
+    saves: AtomicUsize,
 }
 
 pub(crate) const WORKS: u8 = 0;
@@ -31,6 +32,11 @@ impl Faulty {
         self.posteriors.lock().unwrap().clone()
     }
 
+    /// How often what robots had learned was kept.
+    pub(crate) fn saves(&self) -> usize {
+        self.saves.load(Ordering::SeqCst)
+    }
+
     fn check(&self) -> Result<(), StoreError> {
         match self.fault.load(Ordering::SeqCst) {
             UNAVAILABLE => Err(StoreError::Unavailable("disk full".into())),
@@ -45,6 +51,7 @@ impl Store for Faulty {
     fn commit(&self, changes: Vec<Change>) -> Result<(), StoreError> {
         self.check()?;
         if changes.iter().any(|change| matches!(change, Change::PutPosterior(..))) {
+            self.saves.fetch_add(1, Ordering::SeqCst);
             self.posteriors.lock().unwrap().clone_from(&changes);
         }
         self.memory.commit(changes)

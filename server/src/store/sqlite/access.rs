@@ -84,7 +84,7 @@ impl Access {
     ///
     /// # Errors
     /// Where there is still none; reading goes on.
-    pub(super) fn to_write(&mut self) -> Result<&mut Writing, StoreError> {
+    pub(super) fn ready(&mut self) -> Result<&mut Writing, StoreError> {
         let Self { file, reader, writing } = self;
         match writing {
             Some(writing) => Ok(writing),

@@ -1,9 +1,9 @@
 //! A data file looked through from end to end, without a server: which rows are damaged, and those taken out.
 
 use super::damage::{self, Damage};
-use super::files;
 use super::open::{self, DATA_FILE, OpenError};
 use super::schema::{self, Unusable};
+use super::{files, log};
 use rusqlite::{Connection, TransactionBehavior};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -30,9 +30,23 @@ pub fn check(directory: &Path, remove: bool) -> Result<Checked, OpenError> {
         return Err(OpenError::Missing { file });
     }
     files::refuse_lost(directory)?;
-    let _held = if remove { Some(files::lock(directory)?) } else { None };
-    let damaged = look(&file, remove).map_err(|found| open::unusable_file(&file, found))?;
+    let held = match files::lock(directory) {
+        Ok(held) => Some(held),
+        Err(error) if remove => return Err(error),
+        Err(_) => None,
+    };
+    // A log that is being written meanwhile says nothing.
+    let mut damaged = if held.is_some() { look_at_log(&file, directory)? } else { Vec::new() };
+    // SQLite leaves out what is in a damaged log from the damaged page on.
+    damaged.extend(look(&file, remove).map_err(|found| open::unusable_file(&file, found))?);
     Ok(Checked { removed: remove && !damaged.is_empty(), file, damaged })
+}
+
+fn look_at_log(file: &Path, directory: &Path) -> Result<Vec<Damage>, OpenError> {
+    let refused = |error| OpenError::Directory { directory: directory.to_path_buf(), error };
+    let found = log::damage(&files::log_of(file)).map_err(refused)?;
+    let damage = |why| Damage { table: "the log", key: format!("{DATA_FILE}-wal"), why };
+    Ok(found.map(damage).into_iter().collect())
 }
 
 fn look(file: &Path, remove: bool) -> Result<Vec<Damage>, Unusable> {

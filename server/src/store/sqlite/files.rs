@@ -60,12 +60,17 @@ pub(super) fn refuse_lost(directory: &Path) -> Result<(), OpenError> {
             return Err(OpenError::Directory { directory: directory.to_path_buf(), error });
         }
     };
-    let tells = [directory.join(LOCK_FILE), beside(&file, "-wal")];
+    let tells = [directory.join(LOCK_FILE), log_of(&file)];
     let tells = tells.into_iter().find(|other| length(other).is_ok_and(|length| length > 0));
     match tells.or_else(|| (what == "is cut off").then(|| file.clone())) {
         Some(tells) => Err(OpenError::Lost { file, what, tells }),
         None => Ok(()),
     }
+}
+
+/// The write-ahead log of a data file.
+pub(super) fn log_of(file: &Path) -> PathBuf {
+    beside(file, "-wal")
 }
 
 /// The file of this name with an ending.
@@ -98,7 +103,7 @@ impl Watched {
         };
         Ok(Self(vec![
             one(file.to_path_buf(), "put it back")?,
-            one(beside(file, "-wal"), again)?,
+            one(log_of(file), again)?,
             one(beside(file, "-shm"), again)?,
             one(file.with_file_name(LOCK_FILE), again)?,
         ]))

@@ -11,6 +11,7 @@ mod checksum;
 mod damage;
 mod document;
 mod files;
+mod log;
 mod open;
 mod read;
 mod schema;

@@ -1,7 +1,7 @@
 //! The data directory: made, locked, and its file opened so that what is acknowledged is on the disk.
 
 use super::schema::{self, Unusable};
-use super::{checksum, files};
+use super::{checksum, files, log};
 use crate::store::StoreError;
 use rusqlite::{Connection, ErrorCode, OpenFlags, ffi};
 use std::fs::{self, File};
@@ -91,6 +91,17 @@ pub enum OpenError {
         /// What is found.
         what: String,
     },
+    /// Its log is damaged.
+    #[error(
+        "{} is damaged: {what}; put a backup in its place and remove it, or go on without what was written from there on: \
+         umwelt-server check --data {} --remove-damaged", .log.display(), .log.parent().unwrap_or(Path::new(".")).display()
+    )]
+    DamagedLog {
+        /// Which one.
+        log: PathBuf,
+        /// What is found.
+        what: String,
+    },
     /// The file cannot be read or written now.
     #[error("cannot use {}: {what}; {remedy}", .file.display())]
     Unavailable {
@@ -117,7 +128,13 @@ pub(super) fn take(directory: &Path) -> Result<Opened, OpenError> {
     fs::create_dir_all(directory).map_err(refused)?;
     let lock = files::lock(directory)?;
     files::refuse_lost(directory)?;
-    Ok(Opened { file: directory.join(DATA_FILE), lock })
+    let file = directory.join(DATA_FILE);
+    let log = files::log_of(&file);
+    match log::damage(&log) {
+        Ok(None) => Ok(Opened { file, lock }),
+        Ok(Some(what)) => Err(OpenError::DamagedLog { log, what }),
+        Err(error) => Err(refused(error)),
+    }
 }
 
 impl Opened {

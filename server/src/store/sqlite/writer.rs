@@ -13,6 +13,10 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
+use thread_priority::{
+    NormalThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+    set_thread_priority_and_policy, thread_native_id,
+};
 
 /// Most requests of one group: a bound on what is lost together where the disk fails, far above what waits in practice.
 const MAX_GROUP: usize = 256;
@@ -20,6 +24,9 @@ const MAX_GROUP: usize = 256;
 /// Nothing is written for this long: time to bring the write-ahead log into the file. Longer than the pauses of those who
 /// write again and again, so that what they change again and again is brought in seldom.
 pub(super) const IDLE: Duration = Duration::from_secs(6);
+
+/// A quarter of the way from the lowest priority to the highest: niceness 9.
+const LOW: u8 = 25;
 
 /// What the writer can be asked for.
 #[derive(Debug)]
@@ -52,7 +59,10 @@ impl Writer {
     pub(super) fn start(access: Access, idle: Duration) -> io::Result<Self> {
         let (jobs, asked) = channel();
         let desk = Desk { file: access.file(), access, has_log: false, idle };
-        let thread = Builder::new().name("store".to_owned()).spawn(move || desk.run(&asked))?;
+        let thread = Builder::new().name("store".to_owned()).spawn(move || {
+            step_back();
+            desk.run(&asked);
+        })?;
         Ok(Self { jobs: Some(jobs), thread: Some(thread) })
     }
 
@@ -64,6 +74,17 @@ impl Writer {
         let jobs = self.jobs.as_ref().ok_or_else(ended)?;
         jobs.send(Job { request, answer }).map_err(|_| ended())?;
         answered.recv().map_err(|_| ended())?
+    }
+}
+
+/// Puts the calling thread behind those that drive robots. Not behind all others, as those of jobs: where all cores are
+/// busy it still gets a tenth of one, and whoever waits for a stop to be kept an answer.
+fn step_back() {
+    let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    let Ok(low) = ThreadPriorityValue::try_from(LOW) else { return };
+    let low = ThreadPriority::Crossplatform(low);
+    if let Err(error) = set_thread_priority_and_policy(thread_native_id(), low, policy) {
+        tracing::debug!(%error, "the store's thread runs at normal priority");
     }
 }
 
@@ -143,13 +164,13 @@ impl Desk {
 
     /// One transaction with a savepoint for each of `group`.
     fn write(&mut self, group: &[Job]) -> Result<Vec<Result<(), StoreError>>, Failed> {
-        if let Err(error) = self.access.to_write().and_then(|writing| writing.watched.check()) {
+        if let Err(error) = self.access.ready().and_then(|writing| writing.watched.check()) {
             // A log that has lost its name is lost with the process.
             self.fold_in_when_idle();
             return Err(Failed::Outright(error));
         }
         let Self { access, file, has_log, .. } = self;
-        let Writing { connection, watched } = access.to_write().map_err(Failed::Outright)?;
+        let Writing { connection, watched } = access.ready().map_err(Failed::Outright)?;
         let failed = |error: rusqlite::Error| Failed::Together(call_failed(file, &error));
         let immediate = TransactionBehavior::Immediate;
         let begun = connection.transaction_with_behavior(immediate);

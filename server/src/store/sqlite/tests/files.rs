@@ -163,3 +163,68 @@ fn the_log_stays_small_while_much_is_written() {
     }
     assert!(largest < 8 << 20, "{largest} bytes");
 }
+
+/// The bug to fear: one byte of the log changes, and SQLite drops what was acknowledged after it, without a word.
+#[test]
+fn a_byte_that_changes_in_the_log_is_noticed_before_its_last_transaction() {
+    const COMMITS: usize = 12;
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.settle().unwrap();
+    let mut ends = Vec::new();
+    for number in 0..COMMITS {
+        store.commit(vec![robot(&format!("r{number}"), 1)]).unwrap();
+        ends.push(fs::metadata(log_of(&directory)).unwrap().len() as usize);
+    }
+    let (bytes, log) = (fs::read(file(&directory)).unwrap(), fs::read(log_of(&directory)).unwrap());
+    let killed = |log: &[u8]| {
+        let killed = tempdir().unwrap();
+        fs::write(file(&killed), &bytes).unwrap();
+        fs::write(log_of(&killed), log).unwrap();
+        killed
+    };
+    assert_eq!(names(&open(&killed(&log))).len(), COMMITS);
+    let last = ends[COMMITS - 2];
+    for at in (0..log.len()).step_by(log.len() / 97) {
+        let mut changed = log.clone();
+        changed[at] ^= 0x10;
+        let killed = killed(&changed);
+        let opened = SqliteStore::open(killed.path());
+        if at < last {
+            assert!(matches!(&opened, Err(OpenError::DamagedLog { .. })), "byte {at}: {opened:?}");
+            let said = message(opened.unwrap_err());
+            assert!(said.contains("-wal") && said.contains("--remove-damaged"), "{said}");
+            assert!(check(killed.path(), false).unwrap().to_string().contains("umwelt.sqlite-wal"));
+        } else {
+            // It looks as if the power had gone while it was written.
+            assert!(names(&opened.unwrap()).len() >= COMMITS - 1, "byte {at}");
+        }
+    }
+    // Going on without what comes after: those before are kept.
+    let mut changed = log.clone();
+    changed[ends[5] + 100] ^= 1;
+    let killed = killed(&changed);
+    assert!(check(killed.path(), true).unwrap().removed);
+    assert_eq!(names(&open(&killed)).len(), 6);
+}
+
+/// A power cut in the midst of a write leaves less than all of it, and no damage.
+#[test]
+fn a_log_that_ends_anywhere_is_no_damage() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.settle().unwrap();
+    store.commit(vec![large(1)]).unwrap();
+    let first = fs::metadata(log_of(&directory)).unwrap().len() as usize;
+    store.commit(vec![large(2), robot("r", 1)]).unwrap();
+    let (bytes, log) = (fs::read(file(&directory)).unwrap(), fs::read(log_of(&directory)).unwrap());
+    for length in (first..log.len()).step_by((log.len() - first) / 7) {
+        for zeros in [0, 5000] {
+            let killed = tempdir().unwrap();
+            fs::write(file(&killed), &bytes).unwrap();
+            let torn = [&log[..length], &vec![0; zeros]].concat();
+            fs::write(log_of(&killed), torn).unwrap();
+            assert_eq!(open(&killed).load().unwrap().jobs.len(), 1, "{length} and {zeros} zeros");
+        }
+    }
+}
