@@ -132,6 +132,7 @@ impl Fleet {
             return Ok(None);
         }
         condition.check(None)?;
+        id.check_new()?;
         if self.robots(None).len() >= self.0.max_robots {
             return Err(failure::limit_reached("robots", self.0.max_robots));
         }
@@ -323,6 +324,25 @@ mod tests {
         assert_eq!(fleet.stop_all().await, Ok(1));
         fleet.delete(robot, Condition::default()).await.unwrap();
         assert!(fleet.find(dead.id()).is_none());
+    }
+
+    /// The bug to fear: what an earlier version took can no longer be named, and drives on.
+    #[tokio::test]
+    async fn a_robot_of_an_earlier_version_whose_id_begins_with_a_hyphen_goes_on() {
+        let keeper = Keeper::new(Arc::new(MemoryStore::default()));
+        let (lost_after, feed) = (Config::default().lost_after, Feed::new());
+        let common = Common { lost_after, feed, priors: Priors::default() };
+        let (settings, id) = (Settings::default(), "-r".parse::<RobotId>().unwrap());
+        let record = Record { settings, prior: None, task: None, stopped: false, revision: 1 };
+        let stored = StoredRobot { id: id.clone(), record, saved: None };
+        let fleet = Fleet::open(&Config::default(), keeper, common, vec![stored]);
+        let put = async |id: &RobotId| {
+            fleet.put(id.clone(), Settings::default(), None, Condition::default()).await
+        };
+        let (robot, done) = put(&id).await.unwrap();
+        assert_eq!(done, Put::Replaced);
+        fleet.delete(robot, Condition::default()).await.unwrap();
+        assert!(put(&id).await.is_err(), "nothing new goes by it");
     }
 
     #[tokio::test]
