@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that must hold: format, lints, tests in parallel, real-time tests alone one at a time, documentation.
-# Needs the Rust toolchain of rust-toolchain.toml and nothing else.
+# Needs the Rust toolchain of rust-toolchain.toml and nothing else; one step more is done where there is Python.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,5 +12,6 @@ step 'lints';           cargo clippy --workspace --all-targets --locked -- -D wa
 step 'build';           cargo build --workspace --all-targets --locked
 step 'tests';           cargo test --workspace --locked
 step 'real-time tests'; cargo test --workspace --test real_time --locked -- --test-threads=1
+step 'contract';        bash tests/contract.sh
 step 'documentation';   RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked
 step 'done'

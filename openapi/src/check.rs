@@ -3,6 +3,7 @@
 use crate::id;
 use crate::named::Known;
 use crate::problem::{Detail, Problems, reason};
+use crate::visible;
 use serde_json::Value;
 use std::fmt::{Display, Write};
 use std::ops::RangeInclusive;
@@ -42,6 +43,10 @@ pub(crate) enum Limit {
     Number(Range),
     Integer(RangeInclusive<u64>),
     Length(RangeInclusive<usize>),
+    /// What the text matches, as ECMAScript has it.
+    Pattern(&'static str),
+    OneOf(Vec<String>),
+    EachOnce,
 }
 
 /// Collects problems on a walk over a body.
@@ -128,21 +133,60 @@ impl Check {
         }
     }
 
-    /// The text in field `name` must have a length in bytes within `range`.
+    /// The text in field `name` must have a length in characters within `range`, and show as what it is.
     pub(crate) fn text(&mut self, name: &str, text: &str, range: RangeInclusive<usize>) {
         self.limit(name, || Limit::Length(range.clone()));
-        if !range.contains(&text.len()) {
+        self.limit(name, || Limit::Pattern(visible::PATTERN));
+        let length = text.chars().count();
+        if !range.contains(&length) {
             let remedy =
-                format!("use {} to {} bytes, not {}", range.start(), range.end(), text.len());
+                format!("use {} to {} characters, not {length}", range.start(), range.end());
             self.report(reason::WRONG_LENGTH, name, text, remedy);
+        }
+        if let Some((before, character)) = visible::first_hidden(text) {
+            let remedy = format!(
+                "leave out U+{:04X}, which stands behind {before} characters: no control characters, line breaks, or \
+                 marks of the direction of writing",
+                u32::from(character)
+            );
+            self.report(reason::HIDDEN_CHARACTER, name, visible::line(text), remedy);
         }
     }
 
     /// Field `name` must be an id.
     pub(crate) fn id(&mut self, name: &str, text: &str) {
+        self.limit(name, || Limit::Pattern(id::PATTERN));
         if !id::is_id(text) {
             self.report(reason::INVALID_ID, name, text, id::REMEDY);
         }
+    }
+
+    /// Field `name` must be an id that something new may have.
+    pub(crate) fn new_id(&mut self, name: &str, text: &str) {
+        self.limit(name, || Limit::Pattern(id::PATTERN));
+        if !id::is_new_id(text) {
+            self.report(reason::INVALID_ID, name, text, id::REMEDY);
+        }
+    }
+
+    /// Field `name` must hold one of `known`.
+    pub(crate) fn preset(&mut self, name: &str, text: &str, known: &'static [&'static str]) {
+        self.one_of(name, known);
+        if !known.contains(&text) {
+            let remedy = format!("known: {}", known.join(", "));
+            self.report(reason::UNKNOWN_PRESET, name, text, remedy);
+        }
+    }
+
+    /// Field `name` holds one of these, which is checked where more is known.
+    pub(crate) fn one_of<T: AsRef<str>>(&mut self, name: &str, known: &[T]) {
+        let owned = || known.iter().map(|it| it.as_ref().to_owned()).collect();
+        self.limit(name, || Limit::OneOf(owned()));
+    }
+
+    /// The list in field `name` holds nothing twice, which is checked where its items are.
+    pub(crate) fn each_once(&mut self, name: &str) {
+        self.limit(name, || Limit::EachOnce);
     }
 
     /// What the text in field `name` stands for; a text that is no name, or one that nobody knows, is a problem.
@@ -172,7 +216,7 @@ impl Check {
             Ok(core) => Some(core),
             Err(error) => {
                 if self.problems.is_empty() {
-                    self.report(reason::OUT_OF_RANGE, name, Value::Null, error.to_string());
+                    self.report(reason::INCONSISTENT, name, Value::Null, error.to_string());
                 }
                 None
             }

@@ -6,19 +6,22 @@
 mod compare;
 mod evolve;
 mod limits;
+mod requests;
 mod route;
 
-use crate::robot::{self, DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
+use crate::robot::{self, DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE};
 use crate::{environment, event, health, step, stop, task};
-use route::{Route, integer, text};
+use route::Route;
 use utoipa::openapi::{ComponentsBuilder, InfoBuilder, LicenseBuilder, OpenApi, OpenApiBuilder};
 use utoipa::openapi::{PathsBuilder, RefOr, Schema, tag::TagBuilder};
 
 const ABOUT: &str = "Controller server for two-wheel robots over bad links: poses in, wheel speeds out, and what \
 is identified of the floor and the link.\n\nJSON in snake_case; every quantity names its unit (`x_m`, \
 `heading_rad`, `left_rad_per_s`). Times that end in `_s` and mark a moment are the robot's own monotonic clock. \
-Unknown fields are refused in requests and must be ignored in responses: the contract only grows. Every problem of \
-a request is reported at once. Only UNAVAILABLE is retried by itself.";
+Unknown fields are refused in requests and must be ignored in responses: the contract only grows, and a type that \
+goes both ways has a schema for each. Lists are never taken for objects; whole numbers may be written as 20.0. Every \
+problem of a request is reported at once: 400 where a schema says no, 409 where all schemas say yes and the state, the \
+names that there are, or another field of the same body says no. Only UNAVAILABLE is retried by itself.";
 
 const TAGS: [(&str, &str); 10] = [
     ("robots", "A robot: drive, limits, noise, method, prior; and how it is now"),
@@ -57,12 +60,14 @@ pub fn document() -> OpenApi {
         .description(Some(ABOUT))
         .license(Some(license))
         .build();
-    OpenApiBuilder::new()
+    let mut document = OpenApiBuilder::new()
         .info(info)
         .paths(paths.build())
         .components(Some(ComponentsBuilder::new().schemas_from_iter(schemas).build()))
         .tags(Some(tags))
-        .build()
+        .build();
+    requests::close(&mut document);
+    document
 }
 
 fn routes() -> impl Iterator<Item = Route> {
@@ -100,7 +105,7 @@ fn robots() -> Vec<Route> {
         Route::put("/v1/robots/{robot}", "put_robot", "Describe a robot")
             .tag("robots")
             .about("Creates it or replaces what was said. The task is kept; what was learned is kept unless method, prior or drift changed.")
-            .if_match()
+            .conditional()
             .takes::<robot::Spec>()
             .gives::<robot::Robot>(200, "It was described anew")
             .gives::<robot::Robot>(201, "It was described for the first time")
@@ -112,14 +117,13 @@ fn robots() -> Vec<Route> {
         Route::delete("/v1/robots/{robot}", "delete_robot", "Remove a robot")
             .tag("robots")
             .about("With its task and what was learned. Its agent gets NOT_FOUND and the robot ramps to rest by itself.")
-            .if_match()
+            .conditional()
             .gives_nothing("It is gone")
             .fails(&[400, 404, 409]),
         Route::get("/v1/robots", "list_robots", "List robots")
             .tag("robots")
             .about("In the order of their ids.")
-            .query("page_size", "Most robots to list", integer(1, MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE))
-            .query("page_token", "The `next_page_token` of the page before", text(MAX_PAGE_TOKEN))
+            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE, route::ID_TOKEN)
             .query_as::<robot::State>("state", "Only robots in this state")
             .gives::<robot::Page>(200, "Some of the robots")
             .fails(&[400]),
@@ -131,7 +135,7 @@ fn tasks() -> Vec<Route> {
         Route::put("/v1/robots/{robot}/task", "put_task", "Set the task of a robot")
             .tag("tasks")
             .about("Replaces the one before; begins with the next step. The very task that the robot has already goes on as it is, arrived or not, with the same `etag`: to have it driven again, DELETE it first.")
-            .if_match()
+            .conditional()
             .takes::<task::Spec>()
             .gives::<task::Task>(200, "It replaced another, or is the one that there was")
             .gives::<task::Task>(201, "It was set")
@@ -147,7 +151,7 @@ fn tasks() -> Vec<Route> {
         Route::delete("/v1/robots/{robot}/task", "delete_task", "Cancel the task of a robot")
             .tag("tasks")
             .about("The robot ramps to rest.")
-            .if_match()
+            .conditional()
             .gives_nothing("There is no task any more")
             .fails(&[400, 404, 409]),
     ]

@@ -12,7 +12,7 @@ pub const MAX_ID_LENGTH: usize = 63;
 
 /// A text that is no id.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("an id is 1 to 63 of a-z, 0-9 and -, not {text:?}")]
+#[error("an id is 1 to 63 of a-z, 0-9 and -, the first no -, not {text:?}")]
 pub struct InvalidId {
     /// What it would have been the id of, as a path names it: `robot`, `prior`, ...
     pub of: &'static str,
@@ -21,9 +21,17 @@ pub struct InvalidId {
 }
 
 /// What to use instead of a text that is no id.
-pub(crate) const REMEDY: &str = "use 1 to 63 of a-z, 0-9 and -";
+pub(crate) const REMEDY: &str = "use 1 to 63 of a-z, 0-9 and -, the first no -";
 
-/// Whether `text` is an id.
+/// What an id matches that something new may have.
+pub(crate) const PATTERN: &str = "^[a-z0-9][a-z0-9-]{0,62}$";
+
+/// Whether something new may go by `text`: an id that begins with `-` looks like an option to whoever reads a command.
+pub(crate) fn is_new_id(text: &str) -> bool {
+    is_id(text) && !text.starts_with('-')
+}
+
+/// Whether `text` is an id. Earlier versions took those that begin with `-`, and what goes by one can still be named.
 pub(crate) fn is_id(text: &str) -> bool {
     let allowed = |byte: u8| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'-');
     (1..=MAX_ID_LENGTH).contains(&text.len()) && text.bytes().all(allowed)
@@ -40,7 +48,7 @@ impl From<InvalidId> for Problems {
     }
 }
 
-/// The id of a robot: 1 to 63 of `a-z`, `0-9` and `-`.
+/// The id of a robot: 1 to 63 of `a-z`, `0-9` and `-`, the first no `-`.
 ///
 /// ```
 /// use umwelt_api::RobotId;
@@ -51,31 +59,31 @@ impl From<InvalidId> for Problems {
 /// ```
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct RobotId(Arc<str>);
 
-/// The name of a prior: 1 to 63 of `a-z`, `0-9` and `-`.
+/// The name of a prior: 1 to 63 of `a-z`, `0-9` and `-`, the first no `-`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct PriorId(Arc<str>);
 
-/// The name of a simulated environment: 1 to 63 of `a-z`, `0-9` and `-`.
+/// The name of a simulated environment: 1 to 63 of `a-z`, `0-9` and `-`, the first no `-`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct EnvironmentId(Arc<str>);
 
 /// The id of an evolution, given by the server: `evolution-12`. Ids never come back.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct EvolutionId(Arc<str>);
 
 /// The id of a comparison, given by the server: `comparison-12`. Ids never come back.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9-]{1,63}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct ComparisonId(Arc<str>);
 
 /// What every id can do: be read, be shown, be looked up by its text.
@@ -85,6 +93,18 @@ macro_rules! id {
             /// The id as text.
             pub fn as_str(&self) -> &str {
                 &self.0
+            }
+
+            /// Whether something new may go by it: earlier versions took ids that begin with `-`.
+            ///
+            /// # Errors
+            /// Where it begins with `-`.
+            pub fn check_new(&self) -> Result<(), InvalidId> {
+                if is_new_id(&self.0) {
+                    Ok(())
+                } else {
+                    Err(InvalidId { of: $of, text: self.0.to_string() })
+                }
             }
         }
 
@@ -169,6 +189,19 @@ mod tests {
             assert!(bad.parse::<RobotId>().is_err(), "{bad:?}");
             assert!(serde_json::from_value::<RobotId>(bad.into()).is_err(), "{bad:?}");
         }
+    }
+
+    /// What an earlier version took can be named, and nothing new goes by it.
+    #[test]
+    fn nothing_new_begins_with_a_hyphen() {
+        for (text, is_new) in
+            [("a", true), ("7-a", true), ("a-", true), ("-", false), ("-a", false)]
+        {
+            let id: RobotId = text.parse().unwrap();
+            assert_eq!(id.check_new().is_ok(), is_new, "{text}");
+        }
+        let problems = Problems::from("-a".parse::<PriorId>().unwrap().check_new().unwrap_err());
+        assert_eq!(problems.details()[0].field, "prior");
     }
 
     #[test]

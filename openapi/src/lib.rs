@@ -37,6 +37,7 @@ pub mod stop;
 pub mod task;
 mod token;
 pub mod training;
+pub mod visible;
 
 pub use check::Range;
 pub use document::document;

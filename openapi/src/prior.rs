@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 /// Largest body of a prior in bytes; a full one has 1 kB.
 pub const MAX_BODY: usize = 16 * 1024;
 
-/// Longest note in bytes: a paragraph.
+/// Longest note in characters: a paragraph.
 pub const MAX_NOTE: usize = 1000;
 
 /// Most robots that a prior names as its users; their number is told in full.

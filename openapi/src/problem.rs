@@ -15,6 +15,7 @@ mod status;
 
 pub use status::Status;
 
+use crate::visible;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
@@ -51,6 +52,12 @@ pub mod reason {
     pub const EPOCH_SUPERSEDED: &str = "EPOCH_SUPERSEDED";
     /// The resource is not what `If-Match` says.
     pub const ETAG_MISMATCH: &str = "ETAG_MISMATCH";
+    /// There is something already where `If-None-Match: *` wants nothing.
+    pub const ALREADY_THERE: &str = "ALREADY_THERE";
+    /// The body is compressed or encoded in another way.
+    pub const UNSUPPORTED_ENCODING: &str = "UNSUPPORTED_ENCODING";
+    /// A character that moves the cursor, hides text or turns its direction.
+    pub const HIDDEN_CHARACTER: &str = "HIDDEN_CHARACTER";
     /// The body is larger than allowed.
     pub const BODY_TOO_LARGE: &str = "BODY_TOO_LARGE";
     /// The robot is stopping with the server.
@@ -113,6 +120,16 @@ pub mod reason {
     pub const TOKEN_WRONG: &str = "TOKEN_WRONG";
 }
 
+/// Reasons of a request that the schemas allow: it is at odds with itself, with names that nobody goes by now or that
+/// others have, and so is no bad request but a conflict.
+const CONFLICTS: [&str; 5] = [
+    reason::INCONSISTENT,
+    reason::UNKNOWN_PRIOR,
+    reason::UNKNOWN_ENVIRONMENT,
+    reason::BUILT_IN,
+    reason::NAME_TAKEN,
+];
+
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = problem::Detail)]
@@ -149,6 +166,21 @@ impl Detail {
     }
 }
 
+impl Detail {
+    /// The same with every hidden character of its texts escaped.
+    fn visible(self) -> Self {
+        let shown = |text: String| visible::line(&text).into_owned();
+        let value = match self.value {
+            Value::String(text) => Value::String(shown(text)),
+            // Whoever sends lists and objects for a value does not keep the contract.
+            Value::Array(_) | Value::Object(_) => Value::Null,
+            scalar => scalar,
+        };
+        let (reason, field, remedy) = (shown(self.reason), shown(self.field), shown(self.remedy));
+        Self { reason, field, value, remedy }
+    }
+}
+
 fn shortened(mut text: String, longest: usize) -> String {
     if text.len() > longest {
         text.truncate(text.floor_char_boundary(longest));
@@ -162,6 +194,8 @@ fn shortened(mut text: String, longest: usize) -> String {
 pub struct Problems {
     details: Vec<Detail>,
     count: usize,
+    /// Whether a schema says no, rather than the rest of what was sent or of what there is.
+    breaks_schema: bool,
 }
 
 impl Problems {
@@ -180,8 +214,15 @@ impl Problems {
         self.count == 0
     }
 
+    /// The HTTP status code to send: 400 where the schemas of the contract say no, 409 where they say yes and what was
+    /// sent is at odds with itself or with the names that there are.
+    pub fn http_status(&self) -> u16 {
+        if self.breaks_schema { 400 } else { 409 }
+    }
+
     pub(crate) fn add(&mut self, detail: Detail) {
         self.count += 1;
+        self.breaks_schema |= !CONFLICTS.contains(&detail.reason.as_str());
         if self.details.len() < MAX_DETAILS {
             self.details.push(detail);
         }
@@ -190,7 +231,9 @@ impl Problems {
 
 impl From<Detail> for Problems {
     fn from(detail: Detail) -> Self {
-        Self { details: vec![detail], count: 1 }
+        let mut problems = Self::default();
+        problems.add(detail);
+        problems
     }
 }
 
@@ -241,14 +284,17 @@ impl Problem {
     }
 
     /// What a response with HTTP status `code` and `body` says. A body in another shape, as from a proxy,
-    /// becomes the message.
+    /// becomes the message. Whoever shows it need not fear what it does to a terminal: hidden characters are escaped.
     pub fn parse(code: u16, body: &[u8]) -> Self {
         match serde_json::from_slice::<ErrorBody>(body) {
             Ok(ErrorBody { error }) => {
-                Self { status: error.status, message: error.message, details: error.details }
+                let details = error.details.into_iter().map(Detail::visible).collect();
+                let message = visible::line(&error.message).into_owned();
+                Self { status: error.status, message, details }
             }
             Err(_) => {
                 let text = shortened(String::from_utf8_lossy(body).trim().to_owned(), MAX_ECHO);
+                let text = visible::line(&text);
                 Self::new(Status::from_http(code), format!("HTTP {code}: {text}"))
             }
         }
@@ -308,6 +354,41 @@ mod tests {
         assert_eq!(problem.status, Status::Unavailable);
         assert!(problem.message.contains("bad gateway"), "{problem}");
         assert_eq!(Problem::parse(404, b"").status, Status::NotFound);
+    }
+
+    #[test]
+    fn what_the_schemas_allow_is_a_conflict() {
+        let of = |reasons: &[&str]| {
+            let mut problems = Problems::default();
+            reasons.iter().for_each(|it| problems.add(Detail::new(*it, "f", Value::Null, "r")));
+            problems.http_status()
+        };
+        assert_eq!(of(&[reason::INCONSISTENT, reason::UNKNOWN_PRIOR]), 409);
+        assert_eq!(of(&[reason::INCONSISTENT, reason::OUT_OF_RANGE]), 400);
+        assert_eq!(Problems::from(Detail::new(reason::MALFORMED, "", 0, "r")).http_status(), 400);
+        // Whatever the first hundred are.
+        let mut many = vec![reason::INCONSISTENT; MAX_DETAILS];
+        many.push(reason::NOT_FINITE);
+        assert_eq!(of(&many), 400);
+    }
+
+    /// The bug to fear: a server, or who pretends to be one, writes on the terminal of whoever reads its errors.
+    #[test]
+    fn what_a_server_says_shows_as_what_it_is() {
+        let evil = "\u{1b}[2J\r\nfake\u{202e}\u{9b}";
+        let detail = Detail {
+            reason: evil.into(),
+            field: evil.into(),
+            value: evil.into(),
+            remedy: evil.into(),
+        };
+        let problem = Problem::new(Status::Internal, evil).with(detail);
+        let json = serde_json::to_vec(&ErrorBody::from(problem)).unwrap();
+        for said in [Problem::parse(500, &json), Problem::parse(500, evil.as_bytes())] {
+            let shown = format!("{said} {:?}", said.details);
+            assert_eq!(crate::visible::first_hidden(&shown), None, "{shown}");
+            assert!(shown.contains("u{1b}"), "{shown}");
+        }
     }
 
     #[test]

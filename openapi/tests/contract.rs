@@ -208,6 +208,14 @@ fn no_schema_overwrites_another() {
         .count();
     let document = document();
     let schemas = object(&document, "/components/schemas");
+    // Of those that go both ways there is a closed one for requests.
+    let is_closed =
+        |name: &str| name.strip_suffix("Request").is_some_and(|open| schemas.contains_key(open));
+    let schemas: Map<String, Value> = schemas
+        .iter()
+        .filter(|(name, _)| !is_closed(name))
+        .map(|(n, s)| (n.clone(), s.clone()))
+        .collect();
     assert_eq!(schemas.len(), derives, "{:?}", schemas.keys());
     let rust_only = ["RobotId", "PriorId", "EnvironmentId", "EvolutionId", "ComparisonId"];
     for name in schemas.keys().filter(|name| !rust_only.contains(&name.as_str())) {

@@ -4,13 +4,14 @@ mod options;
 
 use clap::Parser;
 use options::{Options, Plan, Which};
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::process::ExitCode;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::error;
 use tracing_subscriber::EnvFilter;
 use umwelt_agent::drive::Pipe;
 use umwelt_agent::{Clock, run};
+use umwelt_client::api::visible;
 
 /// The call was wrong.
 const WRONG_CALL: u8 = 2;
@@ -20,8 +21,9 @@ fn main() -> ExitCode {
     let log = EnvFilter::try_new(&options.log).map_err(|error| format!("--log: {error}"));
     let plan = log.and_then(|filter| {
         tracing_subscriber::fmt()
-            .with_writer(std::io::stderr)
-            .with_ansi(std::io::stderr().is_terminal())
+            .with_writer(|| Visible(std::io::stderr()))
+            // Colours are control characters too.
+            .with_ansi(false)
             .with_env_filter(filter)
             .init();
         options.plan()
@@ -69,4 +71,32 @@ async fn drive(plan: Plan) -> ExitCode {
 fn failed(error: &dyn std::error::Error) -> ExitCode {
     error!("{error}");
     ExitCode::FAILURE
+}
+
+/// A log in which nothing moves a cursor: parts of it are what a server said.
+struct Visible<W>(W);
+
+impl<W: Write> Write for Visible<W> {
+    /// A line comes as a whole, so no character is cut.
+    fn write(&mut self, line: &[u8]) -> std::io::Result<usize> {
+        let text = String::from_utf8_lossy(line);
+        self.0.write_all(visible::lines(&text).as_bytes())?;
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_shows_what_a_server_said_as_what_it_is() {
+        let mut log = Visible(Vec::new());
+        log.write_all("WARN \u{1b}[2Jgone\r\u{202e}\u{9b}31m\n".as_bytes()).unwrap();
+        assert_eq!(log.0, b"WARN \\u{1b}[2Jgone\\u{d}\\u{202e}\\u{9b}31m\n");
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use axum::extract::FromRequestParts;
-use axum::http::{HeaderMap, HeaderName, header, request::Parts};
+use axum::http::{HeaderMap, HeaderName, StatusCode, header, request::Parts};
 use umwelt_api::problem::{Detail, Status, reason};
 
 /// What must hold of the resource before it is written.
@@ -34,7 +34,10 @@ impl Condition {
     /// Whether it holds of a resource whose version is `current`, none where there is no such resource.
     pub(crate) fn check(&self, current: Option<&str>) -> Result<(), Failure> {
         if self.absent && current.is_some() {
-            return Err(Failure::new(Status::AlreadyExists, "it exists already"));
+            let remedy = "leave If-None-Match out to write over it";
+            return Err(Failure::new(Status::AlreadyExists, "it exists already")
+                .with(Detail::new(reason::ALREADY_THERE, "If-None-Match", "*", remedy))
+                .under(StatusCode::PRECONDITION_FAILED));
         }
         let Some(versions) = &self.versions else { return Ok(()) };
         let is_met = current.is_some_and(|current| {
@@ -49,12 +52,9 @@ impl Condition {
         };
         let remedy = "get it, decide anew, and send its etag in If-Match";
         let given = versions.join(", ");
-        Err(Failure::new(Status::Aborted, message).with(Detail::new(
-            reason::ETAG_MISMATCH,
-            "If-Match",
-            given,
-            remedy,
-        )))
+        let detail = Detail::new(reason::ETAG_MISMATCH, "If-Match", given, remedy);
+        let failure = Failure::new(Status::Aborted, message).with(detail);
+        Err(failure.under(StatusCode::PRECONDITION_FAILED))
     }
 }
 

@@ -71,7 +71,7 @@ async fn named<T: FromStr<Err = InvalidId>, S: Send + Sync>(
     let path = Path::<HashMap<String, String>>::from_request_parts(parts, state).await;
     let Some(text) = path.ok().and_then(|Path(mut path)| path.remove(parameter)) else {
         // Percent-encoded bytes that are no text.
-        let remedy = "use 1 to 63 of a-z, 0-9 and -";
+        let remedy = "use 1 to 63 of a-z, 0-9 and -, the first no -";
         return Err(Problems::from(Detail::new(reason::INVALID_ID, parameter, (), remedy)).into());
     };
     Ok(text.parse()?)
@@ -98,6 +98,7 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
     async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {
         let (parts, body) = request.into_parts();
         expect_json(&parts.headers)?;
+        expect_plain(&parts.headers)?;
         let promised = axum::body::HttpBody::size_hint(&body).lower();
         if promised > LIMIT as u64 {
             return Err(too_large(LIMIT));
@@ -144,6 +145,22 @@ fn too_large(limit: usize) -> Failure {
     Failure::new(Status::InvalidArgument, "the body is too large")
         .with(Detail::new(reason::BODY_TOO_LARGE, "", (), remedy))
         .under(StatusCode::PAYLOAD_TOO_LARGE)
+}
+
+/// A body is read as it comes: what is compressed is refused rather than taken for bad JSON.
+fn expect_plain(headers: &HeaderMap) -> Result<(), Failure> {
+    let given = headers.get_all(header::CONTENT_ENCODING).iter();
+    let mut codings = given.flat_map(|value| value.to_str().unwrap_or("?").split(','));
+    let Some(coding) = codings.find(|coding| !coding.trim().eq_ignore_ascii_case("identity"))
+    else {
+        return Ok(());
+    };
+    let remedy = "send the body as it is, without Content-Encoding";
+    let detail =
+        Detail::new(reason::UNSUPPORTED_ENCODING, "Content-Encoding", coding.trim(), remedy);
+    Err(Failure::new(Status::InvalidArgument, "the body is compressed or encoded")
+        .with(detail)
+        .under(StatusCode::UNSUPPORTED_MEDIA_TYPE))
 }
 
 /// A body must say that it is JSON: then no web page of another origin can send it without asking.

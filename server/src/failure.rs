@@ -60,7 +60,8 @@ impl From<Problem> for Failure {
 
 impl From<Problems> for Failure {
     fn from(problems: Problems) -> Self {
-        Problem::from(problems).into()
+        let code = problems.http_status();
+        Self { code, problem: Problem::from(problems) }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::client::Client;
 use crate::error::Error;
 use futures_util::stream::BoxStream;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::fmt::Write;
 use umwelt_api::IdempotencyKey;
 use umwelt_api::evolution::State;
@@ -38,12 +39,12 @@ pub(super) enum News {
 }
 
 /// Something that the server does in the background.
-pub(super) trait Job: Serialize + Sized {
+pub(super) trait Job: Serialize + DeserializeOwned + Sized {
     /// What it is called, and its commands with it: `evolution` for `umwelt evolution`.
     const NOUN: &str;
 
     /// What happens to it.
-    type Event: Serialize;
+    type Event: Serialize + DeserializeOwned;
 
     fn id(&self) -> &str;
 

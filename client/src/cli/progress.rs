@@ -3,6 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 use tokio::time::{Instant, interval_at};
+use umwelt_api::visible;
 
 /// Whoever waits longer than this is told what for.
 pub(super) const PATIENCE: Duration = Duration::from_secs(2);
@@ -10,9 +11,10 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(2);
 /// How often a log, as opposed to a terminal, is told that things are as they were.
 const REPEAT: Duration = Duration::from_secs(10);
 
-/// Writes a line to standard error. Where that is closed there is nobody to tell.
+/// Writes a line to standard error, with whatever would move a cursor escaped: parts of it come from servers. Where
+/// standard error is closed there is nobody to tell.
 pub(super) fn say(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+    let _ = writeln!(io::stderr(), "{}", visible::lines(line));
 }
 
 /// The last line of standard error: replaced in place on a terminal, written again elsewhere when it changes in
@@ -32,7 +34,7 @@ impl StatusLine {
     pub(super) fn show(&mut self, substance: &str, text: &str) {
         if self.terminal {
             // Back to the begin of the line and away with what stood there.
-            let _ = write!(io::stderr(), "\r\x1b[2K{text}");
+            let _ = write!(io::stderr(), "\r\x1b[2K{}", visible::line(text));
             self.shown = true;
             return;
         }

@@ -21,7 +21,7 @@ pub(crate) const COMPARISON: &str = r#"{
 const UNAVAILABLE: &str =
     r#"{"error": {"code": 503, "status": "UNAVAILABLE", "message": "m", "details": []}}"#;
 const PRECONDITION: &str =
-    r#"{"error": {"code": 400, "status": "FAILED_PRECONDITION", "message": "m", "details": []}}"#;
+    r#"{"error": {"code": 409, "status": "FAILED_PRECONDITION", "message": "m", "details": []}}"#;
 
 /// A server that answers everything with FAILED_PRECONDITION, and the lines of what it was asked.
 async fn refusing() -> (Server, Arc<Mutex<Vec<String>>>) {

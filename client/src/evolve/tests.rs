@@ -24,7 +24,7 @@ pub(crate) const EVOLUTION: &str = r#"{
 const UNAVAILABLE: &str =
     r#"{"error": {"code": 503, "status": "UNAVAILABLE", "message": "m", "details": []}}"#;
 const PRECONDITION: &str =
-    r#"{"error": {"code": 400, "status": "FAILED_PRECONDITION", "message": "m", "details": []}}"#;
+    r#"{"error": {"code": 409, "status": "FAILED_PRECONDITION", "message": "m", "details": []}}"#;
 
 fn key(headers: &HeaderMap) -> String {
     headers["idempotency-key"].to_str().unwrap().to_owned()

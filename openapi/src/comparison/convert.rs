@@ -97,7 +97,7 @@ impl Request {
             } else if meant.iter().any(|&place| asked[place]) && !methods[..index].contains(method)
             {
                 let remedy = "it stands under another name already: name it once";
-                check.report(reason::REPEATED, &field, method.as_str(), remedy);
+                check.report(reason::INCONSISTENT, &field, method.as_str(), remedy);
             }
             meant.into_iter().for_each(|place| asked[place] = true);
         }

@@ -1,6 +1,6 @@
 //! The routes of comparisons.
 
-use super::route::Route;
+use super::route::{NUMBER_TOKEN, Route};
 use crate::comparison;
 use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE};
 
@@ -24,9 +24,9 @@ pub(super) fn comparisons() -> Vec<Route> {
             .tag("comparisons")
             .about("With its trials. FAILED_PRECONDITION with NOT_ENDED where it has not: cancel it first.")
             .gives_nothing("It is gone")
-            .fails(&[400, 404]),
+            .fails(&[400, 404, 409]),
         Route::get("/v1/comparisons", "list_comparisons", "List comparisons")
-            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE)
+            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE, NUMBER_TOKEN)
             .tag("comparisons")
             .about("The newest first, without their reports.")
             .query_as::<comparison::State>("state", "Only comparisons in this state")
@@ -40,7 +40,7 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about("One that is cancelled already is given as it is; FAILED_PRECONDITION with ENDED for one that has succeeded or failed.")
         .gives::<comparison::Comparison>(200, "It is cancelled")
-        .fails(&[400, 404]),
+        .fails(&[400, 404, 409]),
         Route::get(
             "/v1/comparisons/{comparison}/events",
             "comparison_events",
@@ -59,7 +59,7 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about(&format!("`deviation` and `time` show which share of the trials exceeds how much, one panel for each environment (the thesis's figures 8 to 11); `pareto` shows time against deviation. {NOTHING_YET}"))
         .gives_text(comparison::Figure::MEDIA_TYPE, "The figure")
-        .fails(&[400, 404, 429]),
+        .fails(&[400, 404, 409, 429]),
         Route::get(
             "/v1/comparisons/{comparison}/trials.csv",
             "comparison_trials",
@@ -68,7 +68,7 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about(&format!("One row for each trial of each contender in each environment, below a header: `{}`. {NOTHING_YET}", comparison::TRIALS_COLUMNS.join(",")))
         .gives_text(comparison::TRIALS_MEDIA_TYPE, "The trials")
-        .fails(&[400, 404, 429]),
+        .fails(&[400, 404, 409, 429]),
         Route::get(
             "/v1/comparisons/{comparison}/report.md",
             "comparison_report",
@@ -77,6 +77,6 @@ pub(super) fn comparisons() -> Vec<Route> {
         .tag("comparisons")
         .about(&format!("Tables, and in plain words what the thesis's claims come to. {NOTHING_YET}"))
         .gives_text(comparison::REPORT_MEDIA_TYPE, "The report")
-        .fails(&[400, 404, 429]),
+        .fails(&[400, 404, 409, 429]),
     ]
 }

@@ -1,6 +1,6 @@
 //! The routes of priors, simulated environments and evolutions.
 
-use super::route::Route;
+use super::route::{ID_TOKEN, NUMBER_TOKEN, Route};
 use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE};
 use crate::{evolution, prior, training};
 
@@ -9,7 +9,7 @@ pub(super) fn priors() -> Vec<Route> {
         Route::put("/v1/priors/{prior}", "put_prior", "Name a prior")
             .tag("priors")
             .about("Creates it or replaces what was put. FAILED_PRECONDITION with BUILT_IN for one that comes with the server, with PRIOR_IN_USE where robots use it and the values would change.")
-            .if_match()
+            .conditional()
             .takes::<prior::Spec>()
             .gives::<prior::Prior>(200, "It was put anew")
             .gives::<prior::Prior>(201, "It was put for the first time")
@@ -21,11 +21,11 @@ pub(super) fn priors() -> Vec<Route> {
         Route::delete("/v1/priors/{prior}", "delete_prior", "Remove a prior")
             .tag("priors")
             .about("FAILED_PRECONDITION with BUILT_IN for one that comes with the server, with PRIOR_IN_USE where robots use it.")
-            .if_match()
+            .conditional()
             .gives_nothing("It is gone")
             .fails(&[400, 404, 409]),
         Route::get("/v1/priors", "list_priors", "List priors")
-            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE)
+            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE, ID_TOKEN)
             .tag("priors")
             .about("In the order of their names, built-in ones among them.")
             .gives::<prior::Page>(200, "Some of the priors")
@@ -43,7 +43,7 @@ pub(super) fn training() -> Vec<Route> {
         )
         .tag("training")
         .about("Creates it or replaces what was put; an evolution that was submitted keeps what it was submitted with. FAILED_PRECONDITION with BUILT_IN for one that comes with the server.")
-        .if_match()
+        .conditional()
         .takes::<training::Spec>()
         .gives::<training::Environment>(200, "It was put anew")
         .gives::<training::Environment>(201, "It was put for the first time")
@@ -63,7 +63,7 @@ pub(super) fn training() -> Vec<Route> {
         )
         .tag("training")
         .about("FAILED_PRECONDITION with BUILT_IN for one that comes with the server.")
-        .if_match()
+        .conditional()
         .gives_nothing("It is gone")
         .fails(&[400, 404, 409]),
         Route::get(
@@ -71,7 +71,7 @@ pub(super) fn training() -> Vec<Route> {
             "list_training_environments",
             "List simulated environments",
         )
-        .paged(max, DEFAULT_PAGE_SIZE)
+        .paged(max, DEFAULT_PAGE_SIZE, ID_TOKEN)
         .tag("training")
         .about("In the order of their names, built-in ones among them.")
         .gives::<training::Page>(200, "Some of the environments")
@@ -98,9 +98,9 @@ pub(super) fn evolutions() -> Vec<Route> {
             .tag("evolutions")
             .about("With its generations; a prior that it found stays. FAILED_PRECONDITION with NOT_ENDED where it has not: cancel it first.")
             .gives_nothing("It is gone")
-            .fails(&[400, 404]),
+            .fails(&[400, 404, 409]),
         Route::get("/v1/evolutions", "list_evolutions", "List evolutions")
-            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE)
+            .paged(MAX_PAGE_SIZE, DEFAULT_PAGE_SIZE, NUMBER_TOKEN)
             .tag("evolutions")
             .about("The newest first.")
             .query_as::<evolution::State>("state", "Only evolutions in this state")
@@ -114,13 +114,13 @@ pub(super) fn evolutions() -> Vec<Route> {
         .tag("evolutions")
         .about("What came of its generations stays. One that is cancelled already is given as it is; FAILED_PRECONDITION with ENDED for one that has succeeded or failed.")
         .gives::<evolution::Evolution>(200, "It is cancelled")
-        .fails(&[400, 404]),
+        .fails(&[400, 404, 409]),
         Route::get(
             "/v1/evolutions/{evolution}/generations",
             "list_generations",
             "List the generations of an evolution",
         )
-        .paged(max, default)
+        .paged(max, default, NUMBER_TOKEN)
         .tag("evolutions")
         .about("In their order, as far as they have ended.")
         .gives::<evolution::GenerationsPage>(200, "Some of the generations")
@@ -143,6 +143,6 @@ pub(super) fn evolutions() -> Vec<Route> {
         .tag("evolutions")
         .about("Best and mean of each generation in each environment: `deviation` is the thesis's figure 6, `time` its figure 7. FAILED_PRECONDITION with NOTHING_YET before the first generation has ended.")
         .gives_text(evolution::Figure::MEDIA_TYPE, "The figure")
-        .fails(&[400, 404, 429]),
+        .fails(&[400, 404, 409, 429]),
     ]
 }

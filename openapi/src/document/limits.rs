@@ -3,7 +3,7 @@
 use super::route::Schemas;
 use crate::check::{Check, Checked, Limit};
 use crate::{comparison, evolution, prior, robot, step, task, training};
-use utoipa::openapi::schema::{ArrayItems, Schema};
+use utoipa::openapi::schema::{ArrayItems, Schema, SchemaType, Type};
 use utoipa::openapi::{Object, RefOr};
 use utoipa::{Number, ToSchema};
 
@@ -14,6 +14,7 @@ use utoipa::{Number, ToSchema};
 pub(super) fn apply(schemas: &mut Schemas) {
     let monte_carlo = robot::Predictor::MonteCarlo { agents: 1, cell_m: 0.01, seed: 0 };
     let prior = robot::PriorChoice::Inline(robot::Prior::default());
+    write(schemas, &robot::Spec::default());
     write(schemas, &robot::Spec { predictor: monte_carlo, prior, ..robot::Spec::default() });
     write(
         schemas,
@@ -78,8 +79,24 @@ fn write_evolve(schemas: &mut Schemas) {
             },
         );
     }
-    write(schemas, &evolution::Request::default());
-    write(schemas, &comparison::Request::default());
+    write(
+        schemas,
+        &training::Spec {
+            slip: training::Floor::Preset("hard".to_owned()),
+            link: training::Link::Preset("normal".to_owned()),
+            fitness: training::Fitness::Normal,
+            weight: 1.0,
+            note: None,
+        },
+    );
+    let (prior, name) = (Some("mine".to_owned()), "normal".to_owned());
+    let environments = Some(vec![name]);
+    write(
+        schemas,
+        &evolution::Request { prior: prior.clone(), environments, ..Default::default() },
+    );
+    let methods = Some(vec!["bayesian".to_owned()]);
+    write(schemas, &comparison::Request { prior, methods, ..Default::default() });
 }
 
 fn write<T: Checked + ToSchema>(schemas: &mut Schemas, example: &T) {
@@ -160,12 +177,35 @@ fn write_here(schema: &mut Schema, limit: &Limit) -> Found {
             object.max_length = Some(*range.end());
             Found::Written
         }
+        (Schema::Object(object), Limit::Pattern(pattern)) if is_text(object) => {
+            object.pattern = Some((*pattern).to_owned());
+            Found::Written
+        }
+        (Schema::Object(object), Limit::OneOf(known)) if is_text(object) => {
+            let known = known.iter().map(|it| it.as_str().into());
+            object.enum_values = Some(known.collect());
+            Found::Written
+        }
+        (Schema::Array(array), Limit::EachOnce) => {
+            array.unique_items = true;
+            Found::Written
+        }
         (Schema::Array(array), Limit::Length(range)) => {
             array.min_items = Some(*range.start());
             array.max_items = Some(*range.end());
             Found::Written
         }
+        // A name or the thing: the limit of a name is that of the text among them.
+        (Schema::OneOf(one_of), limit) => place_in_any(&mut one_of.items, &[], limit),
         _ => Found::Nothing,
+    }
+}
+
+fn is_text(object: &Object) -> bool {
+    match &object.schema_type {
+        SchemaType::Type(kind) => *kind == Type::String,
+        SchemaType::Array(kinds) => kinds.contains(&Type::String),
+        SchemaType::AnyValue => false,
     }
 }
 

@@ -15,6 +15,12 @@ use utoipa::openapi::{
     ResponseBuilder,
 };
 
+/// A page token that is the last id of the page before.
+pub(super) const ID_TOKEN: &str = "^[a-z0-9-]{1,63}$";
+
+/// A page token that is the last number of the page before.
+pub(super) const NUMBER_TOKEN: &str = "^[0-9]{1,19}$";
+
 /// Schemas by name.
 pub(super) type Schemas = BTreeMap<String, RefOr<Schema>>;
 
@@ -24,6 +30,7 @@ pub(super) struct Route {
     schemas: Schemas,
     method: HttpMethod,
     operation: OperationBuilder,
+    about: String,
 }
 
 /// What 304 says.
@@ -49,7 +56,8 @@ impl Route {
     /// Every operation knows its path parameters, whose names say what they are, and may fail.
     fn new(method: HttpMethod, path: &'static str, id: &str, summary: &str) -> Self {
         let operation = OperationBuilder::new().operation_id(Some(id)).summary(Some(summary));
-        let mut route = Self { path, schemas: Schemas::new(), method, operation };
+        let about = String::new();
+        let mut route = Self { path, schemas: Schemas::new(), method, operation, about };
         for name in path.split('/').filter_map(|part| part.strip_prefix('{')?.strip_suffix('}')) {
             let schema = match name {
                 "robot" => route.schema::<RobotId>(),
@@ -77,7 +85,7 @@ impl Route {
     }
 
     pub(super) fn about(mut self, description: &str) -> Self {
-        self.operation = self.operation.description(Some(description));
+        self.about.push_str(description);
         self
     }
 
@@ -90,18 +98,32 @@ impl Route {
         self.query(name, about, schema)
     }
 
-    /// A list that comes in pages of at most `max`.
-    pub(super) fn paged(self, max: u64, default: u64) -> Self {
+    /// A list that comes in pages of at most `max`; `token` is what a page token matches.
+    pub(super) fn paged(self, max: u64, default: u64, token: &str) -> Self {
+        let schema = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::String))
+            .max_length(Some(MAX_PAGE_TOKEN))
+            .pattern(Some(token));
         self.query("page_size", "Most of them to list", integer(1, max, default)).query(
             "page_token",
             "The `next_page_token` of the page before",
-            text(MAX_PAGE_TOKEN),
+            schema.into(),
         )
     }
 
-    pub(super) fn if_match(self) -> Self {
-        let about = "Only if the resource has this `etag` still; `*` only if it exists";
-        self.parameter("If-Match", ParameterIn::Header, Required::False, about, text(200))
+    /// Takes `If-Match`, and where something is put `If-None-Match` too. They are no parameters: a value that the schema
+    /// of one allows is refused where the resource is another one, which is what it is for.
+    pub(super) fn conditional(mut self) -> Self {
+        let words = if self.method == HttpMethod::Put {
+            "With the header `If-Match: ETAG` it is written only if it still has this `etag`, `*` only if it exists; with `If-None-Match: *` only if it does not."
+        } else {
+            "With the header `If-Match: ETAG` it is removed only if it still has this `etag`."
+        };
+        if !self.about.is_empty() {
+            self.about.push(' ');
+        }
+        self.about.push_str(words);
+        self.fails(&[412])
     }
 
     pub(super) fn idempotency_key(self) -> Self {
@@ -128,7 +150,7 @@ impl Route {
             .content("application/json", content)
             .build();
         self.operation = self.operation.request_body(Some(body));
-        self
+        self.fails(&[408, 413, 415])
     }
 
     pub(super) fn gives<T: ToSchema>(mut self, code: u16, about: &str) -> Self {
@@ -193,11 +215,15 @@ impl Route {
     pub(super) fn fails(mut self, codes: &[u16]) -> Self {
         for &code in codes {
             let about = match code {
-                400 => {
-                    "INVALID_ARGUMENT, FAILED_PRECONDITION or OUT_OF_RANGE: every bad field at once"
-                }
+                400 => "INVALID_ARGUMENT or OUT_OF_RANGE: every bad field at once",
                 404 => "NOT_FOUND",
-                409 => "ABORTED: somebody else was first (another epoch, another version)",
+                408 => "DEADLINE_EXCEEDED: the body did not arrive in time",
+                409 => {
+                    "FAILED_PRECONDITION, ALREADY_EXISTS or ABORTED: the request is good, the state is another one"
+                }
+                412 => "ABORTED or ALREADY_EXISTS: not as `If-Match` or `If-None-Match` want it",
+                413 => "INVALID_ARGUMENT: the body is too large",
+                415 => "INVALID_ARGUMENT: the body is not declared as JSON, or is compressed",
                 429 => "RESOURCE_EXHAUSTED: too much at once",
                 503 => "UNAVAILABLE: not now, ask again",
                 other => unreachable!("no words for {other}"),
@@ -217,7 +243,9 @@ impl Route {
 
     /// The path, its item with this one operation, and the schemas that it uses.
     pub(super) fn into_parts(self) -> (&'static str, PathItem, Schemas) {
-        (self.path, PathItem::new(self.method, self.operation), self.schemas)
+        let about = Some(self.about).filter(|about| !about.is_empty());
+        let operation = self.operation.description(about);
+        (self.path, PathItem::new(self.method, operation), self.schemas)
     }
 
     fn problem(&mut self, about: &str) -> ResponseBuilder {

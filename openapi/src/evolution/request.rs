@@ -90,7 +90,7 @@ impl Checked for Request {
             check.number(name, value.unwrap_or(range.min), range);
         }
         if let Some(prior) = &self.prior {
-            check.id("prior", prior);
+            check.new_id("prior", prior);
         }
     }
 }
@@ -116,6 +116,7 @@ impl Request {
         let names = self.environments.as_deref();
         let count = names.map_or(*spec::ENVIRONMENTS.start(), <[String]>::len);
         check.length("environments", count, spec::ENVIRONMENTS);
+        check.each_once("environments");
         for (index, name) in names.unwrap_or_default().iter().enumerate() {
             let field = format!("environments[{index}]");
             check.id(&field, name);

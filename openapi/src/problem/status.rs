@@ -88,11 +88,11 @@ impl Status {
     /// The HTTP status code that goes with it.
     pub fn http_code(self) -> u16 {
         match self {
-            Self::InvalidArgument | Self::FailedPrecondition | Self::OutOfRange => 400,
+            Self::InvalidArgument | Self::OutOfRange => 400,
             Self::Unauthenticated => 401,
             Self::PermissionDenied => 403,
             Self::NotFound => 404,
-            Self::AlreadyExists | Self::Aborted => 409,
+            Self::FailedPrecondition | Self::AlreadyExists | Self::Aborted => 409,
             Self::ResourceExhausted => 429,
             Self::Cancelled => 499,
             Self::Internal | Self::DataLoss | Self::Unknown => 500,
@@ -110,8 +110,7 @@ impl Status {
             404 | 410 => Self::NotFound,
             405 | 501 => Self::Unimplemented,
             408 | 504 => Self::DeadlineExceeded,
-            409 => Self::Aborted,
-            412 => Self::FailedPrecondition,
+            409 | 412 => Self::Aborted,
             429 => Self::ResourceExhausted,
             499 => Self::Cancelled,
             400..=498 => Self::InvalidArgument,
@@ -145,6 +144,15 @@ mod tests {
             assert_eq!(json, status.name());
             assert_eq!(serde_json::from_value::<Status>(json).unwrap(), status);
         }
+    }
+
+    /// The bug to fear: whoever sends a good request is told that it is a bad one, and looks for the mistake in it.
+    #[test]
+    fn what_depends_on_state_is_a_conflict_and_no_bad_request() {
+        let of = |code| Status::ALL.into_iter().filter(move |status| status.http_code() == code);
+        assert_eq!(of(400).collect::<Vec<_>>(), [Status::InvalidArgument, Status::OutOfRange]);
+        let conflicts = [Status::FailedPrecondition, Status::AlreadyExists, Status::Aborted];
+        assert_eq!(of(409).collect::<Vec<_>>(), conflicts);
     }
 
     #[test]

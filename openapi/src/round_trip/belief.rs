@@ -210,7 +210,7 @@ fn every_number_of_a_simulated_environment_is_checked() {
     assert_eq!(back, pairs(&[(reason::INCONSISTENT, "link.rtt.rows[1].t_s")]));
     let most: Vec<_> = (0..=training::MAX_ROWS).map(|t| row(t as f64)).collect();
     assert!(rows(json!(most[1..])).is_ok() && rows(json!(most)).is_err());
-    assert_eq!(problems(read(json!({"slip": "hard"}))), pairs(&[(reason::MALFORMED, "")]));
+    assert_eq!(problems(read(json!({"slip": "hard"}))), pairs(&[(reason::MALFORMED, "link")]));
 }
 
 #[test]

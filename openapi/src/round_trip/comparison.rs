@@ -158,8 +158,9 @@ fn methods_that_are_unknown_or_repeated_are_told_with_those_that_there_are() {
     );
     let repeated = reason::REPEATED;
     assert_eq!(of(&["bayesian", "bayesian"]), pairs(&[(repeated, "methods[1]")]));
-    assert_eq!(of(&["bayesian/1", "bayesian"]), pairs(&[(repeated, "methods[1]")]));
-    assert_eq!(of(&["bayesian", "oracle", "bayesian/1"]), pairs(&[(repeated, "methods[2]")]));
+    let twice = reason::INCONSISTENT;
+    assert_eq!(of(&["bayesian/1", "bayesian"]), pairs(&[(twice, "methods[1]")]));
+    assert_eq!(of(&["bayesian", "oracle", "bayesian/1"]), pairs(&[(twice, "methods[2]")]));
 
     let names = remedy(&json!({"methods": ["bayes"]}));
     assert!(core::method_names().all(|name| names.contains(name)), "{names}");

@@ -2,7 +2,7 @@
 
 use crate::check::{Check, Checked, Range};
 use crate::named::NameOr;
-use crate::problem::{Problems, reason};
+use crate::problem::Problems;
 use serde::{Deserialize, Deserializer, Serialize};
 use umwelt_core::plant::{self, MAX_SLIP_SD, SLIP_PRESETS, SlipError};
 use utoipa::ToSchema;
@@ -101,12 +101,7 @@ impl Floor {
     pub(super) fn check(&self, field: &str, check: &mut Check) {
         match self {
             Self::Slip(slip) => check.field(field, |check| slip.check(check)),
-            Self::Preset(name) => {
-                if plant::Slip::preset(name).is_none() {
-                    let remedy = format!("known: {}", SLIP_PRESETS.join(", "));
-                    check.report(reason::UNKNOWN_PRESET, field, name.as_str(), remedy);
-                }
-            }
+            Self::Preset(name) => check.preset(field, name, &SLIP_PRESETS),
         }
     }
 

@@ -339,12 +339,7 @@ impl Link {
     pub(super) fn check(&self, field: &str, check: &mut Check) {
         match self {
             Self::Model(model) => check.field(field, |check| model.check(check)),
-            Self::Preset(name) => {
-                if link::LinkModel::preset(name).is_none() {
-                    let remedy = format!("known: {}", PRESETS.join(", "));
-                    check.report(reason::UNKNOWN_PRESET, field, name.as_str(), remedy);
-                }
-            }
+            Self::Preset(name) => check.preset(field, name, &PRESETS),
         }
     }
 

@@ -30,6 +30,9 @@ pub(crate) async fn put(
         let before = app.environments.all().find(&id);
         condition.check(before.as_ref().map(Named::etag).as_deref())?;
         check_own(&id)?;
+        if before.is_none() {
+            id.check_new()?;
+        }
         if before.is_none() && app.environments.all().len() >= MAX_ENVIRONMENTS {
             return Err(failure::limit_reached("environments", MAX_ENVIRONMENTS));
         }

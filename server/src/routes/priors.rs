@@ -31,6 +31,9 @@ pub(crate) async fn put(
         let before = app.priors.all().find(&id);
         condition.check(before.as_ref().map(Named::etag).as_deref())?;
         check_own(&app, &id)?;
+        if before.is_none() {
+            id.check_new()?;
+        }
         // Where the values stay, where they come from stays too.
         let source = match &before {
             Some(before) if before.prior == prior => before.source.clone(),

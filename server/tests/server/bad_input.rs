@@ -191,6 +191,127 @@ async fn whatever_is_wrong_the_body_is_the_same() {
     }
 }
 
+/// The bugs to fear: a list that passes for an object, a file of an editor or a program's whole numbers that are refused
+/// for no reason that one could see.
+#[tokio::test(start_paused = true)]
+async fn what_is_read_is_what_was_said() {
+    let api = driving().await;
+    let before = api.state().await;
+    let task = "/v1/robots/r/task";
+    for (path, body) in [
+        ("/v1/robots/r", "[]"),
+        ("/v1/robots/r", r#"{"drive": [0.05, 0.2]}"#),
+        ("/v1/robots/r", r#"{"predictor": ["monte-carlo", 100, 0.01, 7]}"#),
+        (task, r#"{"waypoints": [{"x_m": 0.3, "y_m": 0}], "calibration": []}"#),
+        (task, r#"{"waypoints": [[0.3, 0]]}"#),
+        ("/v1/priors/p", "[]"),
+        ("/v1/environments/e", r#"["hard", "bad"]"#),
+    ] {
+        let answer = api.call("PUT", path, &[JSON], body).await;
+        assert_eq!(answer.problem(), ("INVALID_ARGUMENT".into(), "MALFORMED".into()), "{body}");
+        assert_eq!(answer.code, 400, "{body}");
+    }
+    refused(&api, r#"[1, 7, 10.03, [[0, 0, 0, 0.4]], [], null]"#).await;
+    assert_eq!(api.state().await, before);
+    assert_eq!(api.get("/v1/priors/p").await.code, 404);
+    for path in ["/v1/evolutions", "/v1/comparisons"] {
+        assert_eq!(api.call("POST", path, &[JSON], "[]").await.code, 400, "{path}");
+    }
+
+    let marked = "\u{feff}{\"horizon_slots\": 7.0}".to_owned();
+    assert_eq!(api.call("PUT", "/v1/robots/r", &[JSON], marked).await.code, 200);
+    assert_eq!(api.get("/v1/robots/r").await.json()["spec"]["horizon_slots"], 7);
+    let words = api.call("PUT", "/v1/robots/r", &[JSON], r#"{"horizon_slots": NaN}"#).await;
+    let detail = &words.json()["error"]["details"][0];
+    assert_eq!(detail["field"], "horizon_slots");
+    assert!(detail["remedy"].as_str().unwrap().starts_with("NaN is no number in JSON"), "{detail}");
+}
+
+/// The bug to fear: a compressed body is told that it is malformed at line 1 column 1.
+#[tokio::test(start_paused = true)]
+async fn a_body_that_is_encoded_is_refused_as_that() {
+    let api = driving().await;
+    for coding in ["gzip", "br", "identity, gzip", "x-own"] {
+        let headers = [JSON, ("content-encoding", coding)];
+        let answer = api.call("PUT", "/v1/robots/r", &headers, "{}").await;
+        assert_eq!((answer.code, answer.problem().1.as_str()), (415, "UNSUPPORTED_ENCODING"));
+        assert_eq!(answer.fields(), ["Content-Encoding"]);
+        let step = api.call("POST", "/v1/robots/r/step", &headers, "{}").await;
+        assert_eq!(step.code, 415);
+    }
+    let plain = [JSON, ("content-encoding", "identity")];
+    assert_eq!(api.call("PUT", "/v1/robots/r", &plain, "{}").await.code, 200);
+}
+
+/// The bug to fear: a note that rewrites the terminal of whoever lists priors.
+#[tokio::test(start_paused = true)]
+async fn notes_show_as_what_they_are() {
+    let api = Api::new().await;
+    for (character, name) in [
+        ('\u{1b}', "U+001B"),
+        ('\n', "U+000A"),
+        ('\u{9b}', "U+009B"),
+        ('\u{202e}', "U+202E"),
+        ('\u{2028}', "U+2028"),
+    ] {
+        let note = format!("äb{character}c");
+        for (path, mut body) in [
+            ("/v1/priors/p", json!({})),
+            ("/v1/environments/e", json!({"slip": "none", "link": "bad"})),
+        ] {
+            body["note"] = json!(note);
+            let answer = api.put(path, body).await;
+            assert_eq!(answer.problem().1, "HIDDEN_CHARACTER", "{name}");
+            let remedy = answer.json()["error"]["details"][0]["remedy"].to_string();
+            assert!(
+                remedy.contains(&format!("{name}, which stands behind 2 characters")),
+                "{remedy}"
+            );
+        }
+    }
+    let note = "größer als 5 µm 👩\u{200d}🔧 床".repeat(40);
+    let kept = api.put("/v1/priors/p", json!({"note": note})).await;
+    assert_eq!((kept.code, &kept.json()["note"]), (201, &json!(note)));
+}
+
+/// What an earlier version took goes on: it is shown, described anew and removed; nothing new goes by such a name.
+#[tokio::test(start_paused = true)]
+async fn nothing_new_begins_with_a_hyphen() {
+    let api = Api::new().await;
+    for path in ["/v1/robots/-r", "/v1/priors/-p"] {
+        let answer = api.put(path, json!({})).await;
+        assert_eq!((answer.code, answer.problem().1.as_str()), (400, "INVALID_ID"), "{path}");
+        assert_eq!(api.get(path).await.code, 404, "{path}");
+    }
+    let environment = json!({"slip": "none", "link": "bad"});
+    assert_eq!(api.put("/v1/environments/-e", environment).await.problem().1, "INVALID_ID");
+    let evolution = api.call("POST", "/v1/evolutions", &[JSON], r#"{"prior": "-p"}"#).await;
+    assert_eq!(evolution.problem().1, "INVALID_ID");
+}
+
+/// The bug to fear: whoever sends a good request hears that it is bad, and looks for the mistake in it.
+#[tokio::test(start_paused = true)]
+async fn what_is_good_and_at_odds_is_a_conflict() {
+    let api = driving().await;
+    for (path, body, reason) in [
+        ("/v1/robots/r", json!({"prior": "nobody"}), "UNKNOWN_PRIOR"),
+        ("/v1/robots/r", json!({"steering": {"turn_beyond_rad": 0.01}}), "INCONSISTENT"),
+        ("/v1/priors/thesis", json!({}), "BUILT_IN"),
+        ("/v1/environments/normal", json!({"slip": "none", "link": "bad"}), "BUILT_IN"),
+    ] {
+        let answer = api.put(path, body).await;
+        assert_eq!((answer.code, answer.problem().1.as_str()), (409, reason), "{path}");
+    }
+    let late = api.step(with("/observations/0/taken_s", json!(11.0))).await;
+    assert_eq!((late.code, late.problem().1.as_str()), (409, "INCONSISTENT"));
+    let unknown = r#"{"environments": ["nowhere"]}"#;
+    let answer = api.call("POST", "/v1/evolutions", &[JSON], unknown).await;
+    assert_eq!((answer.code, answer.problem().1.as_str()), (409, "UNKNOWN_ENVIRONMENT"));
+    // One bad field more, and it is a bad request.
+    let both = api.put("/v1/robots/r", json!({"prior": "nobody", "horizon_slots": 0})).await;
+    assert_eq!(both.code, 400);
+}
+
 #[tokio::test(start_paused = true)]
 async fn the_query_is_checked_as_a_whole() {
     let api = Api::new().await;

@@ -289,7 +289,7 @@ async fn what_makes_no_sense_is_refused_all_of_it_at_once() {
         assert!(fields.iter().any(|it| it == field), "{field} is not in {fields:?}");
     }
     let long = submit(&api, &json!({"trials": 10_000})).await;
-    assert_eq!((long.code, long.fields()), (400, vec!["trials".to_owned()]));
+    assert_eq!((long.code, long.fields()), (409, vec!["trials".to_owned()]));
     assert_eq!(api.get(PATH).await.json()["comparisons"], json!([]));
     for path in ["x", "comparison-01", "evolution-1"] {
         assert_eq!(api.get(&format!("{PATH}/{path}")).await.code, 404, "{path}");

@@ -24,7 +24,7 @@ async fn a_robot_is_only_written_over_as_it_was_seen() {
     let second = put(first, r#"{"horizon_slots": 2}"#).await;
     assert_eq!(second.code, 200);
     let lost_update = put(first, r#"{"horizon_slots": 3}"#).await;
-    assert_eq!(lost_update.code, 409);
+    assert_eq!(lost_update.code, 412);
     assert_eq!(lost_update.problem(), pair(MISMATCH));
     assert_eq!(api.get(ROBOT).await.json()["spec"]["horizon_slots"], 2);
     // The etag of the body, without quotes, is as good.
@@ -50,7 +50,7 @@ async fn a_task_has_its_own_version() {
     let stale = api.call("DELETE", TASK, &[("if-match", of_task)], "").await;
     assert_eq!(stale.problem(), pair(MISMATCH));
     let exists = api.call("PUT", TASK, &[JSON, ("if-none-match", "*")], body).await;
-    assert_eq!((exists.code, exists.problem().0.as_str()), (409, "ALREADY_EXISTS"));
+    assert_eq!((exists.code, exists.problem().0.as_str()), (412, "ALREADY_EXISTS"));
 }
 
 /// The bug to fear: between looking and writing somebody else has written. The gate holds both writers there.
@@ -68,5 +68,5 @@ async fn of_two_who_create_the_same_robot_one_is_told_that_it_exists() {
     drop(shut);
     let mut codes = [first.await.unwrap(), second.await.unwrap()];
     codes.sort_unstable();
-    assert_eq!(codes, [201, 409]);
+    assert_eq!(codes, [201, 412]);
 }

@@ -128,7 +128,7 @@ async fn a_prior_in_use_neither_changes_nor_goes() {
     for refused in [api.delete("/v1/priors/dune").await, api.put("/v1/priors/dune", other).await] {
         assert_eq!(
             (refused.code, refused.problem()),
-            (400, pair("FAILED_PRECONDITION", "PRIOR_IN_USE"))
+            (409, pair("FAILED_PRECONDITION", "PRIOR_IN_USE"))
         );
         let error = &refused.json()["error"];
         let robots: Vec<_> =

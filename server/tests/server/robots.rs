@@ -83,7 +83,7 @@ async fn the_very_task_that_is_under_way_goes_on() {
         assert_eq!(api.state().await, under_way);
     }
     let etag = under_way[1]["etag"].as_str().unwrap();
-    for (header, code) in [("if-match", 200), ("if-none-match", 409)] {
+    for (header, code) in [("if-match", 200), ("if-none-match", 412)] {
         let value = if code == 200 { etag } else { "*" };
         let again = api.call("PUT", task, &[JSON, (header, value)], spec.to_string()).await;
         assert_eq!(again.code, code, "{header}");

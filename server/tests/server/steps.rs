@@ -126,7 +126,7 @@ async fn a_clock_that_runs_backwards_needs_a_new_epoch() {
     api.step(step(7, 1, 100.0, 0.0)).await;
     let before = api.state().await;
     let refused = api.step(step(7, 2, 0.5, 0.3)).await;
-    assert_eq!(refused.code, 400);
+    assert_eq!(refused.code, 409);
     assert_eq!(refused.problem(), ("FAILED_PRECONDITION".into(), "CLOCK_WENT_BACK".into()));
     assert_eq!(api.state().await, before);
     assert_eq!(api.step(step(7, 2, 100.03, 0.0)).await.code, 200, "the epoch goes on");

@@ -141,7 +141,7 @@ async fn an_evolution_is_submitted_polled_and_cancelled_and_the_next_has_its_tur
     let refused = http::call(server.address, "DELETE", &path, &[], b"").await;
     assert_eq!(
         (refused.code, &refused.json()["error"]["status"]),
-        (400, &"FAILED_PRECONDITION".into())
+        (409, &"FAILED_PRECONDITION".into())
     );
     let cancelled = post(&server, &format!("{path}/cancel"), "", "").await;
     assert_eq!(cancelled.code, 200, "{cancelled:?}");
@@ -168,7 +168,7 @@ async fn a_key_means_one_evolution_also_after_the_server_was_killed() {
     assert_eq!(again.json()["evolution"], "evolution-1");
     assert_eq!(again.json()["spec"], first.json()["spec"]);
     let other = post(&server, "/v1/evolutions", "key-1", &small(1)).await;
-    assert_eq!(other.code, 400, "{other:?}");
+    assert_eq!(other.code, 409, "{other:?}");
     assert_eq!(other.json()["error"]["details"][0]["reason"], "IDEMPOTENCY_KEY_REUSED");
     let next = post(&server, "/v1/evolutions", "key-2", &endless()).await;
     assert_eq!((next.code, &next.json()["evolution"]), (201, &"evolution-2".into()));

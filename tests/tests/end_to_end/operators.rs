@@ -57,7 +57,7 @@ async fn the_version_in_the_header_is_the_one_in_the_body() {
     let quoted = http::call(server.address, "PUT", path, &[("If-Match", header)], b"{}").await;
     assert_eq!(quoted.code, 200, "{quoted:?}");
     let again = http::call(server.address, "PUT", path, &[("If-None-Match", "*")], b"{}").await;
-    assert_eq!(again.code, 409, "{again:?}");
+    assert_eq!(again.code, 412, "{again:?}");
     let removed = http::call(server.address, "DELETE", path, &[], b"").await;
     assert_eq!((removed.code, removed.body.as_str()), (204, ""));
     let gone = http::call(server.address, "GET", path, &[], b"").await;

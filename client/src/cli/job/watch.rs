@@ -12,6 +12,7 @@ use std::io::{self, IsTerminal};
 use std::time::Duration;
 use tokio::time::Instant;
 use umwelt_api::evolution::State;
+use umwelt_api::visible;
 
 /// A log, as opposed to a terminal, gets a line no more often than this.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -140,7 +141,7 @@ impl Bar {
         if let Some(bar) = &self.bar {
             bar.set_length(at.total_episodes.max(1));
             bar.set_position(at.episodes);
-            bar.set_message(at.words.clone());
+            bar.set_message(visible::line(&at.words).into_owned());
         } else if is_news(self.said.as_ref(), state, &at.words, Instant::now()) {
             say(&line(&self.id, state, at));
             self.said = Some((state, at.words.clone(), Instant::now()));
