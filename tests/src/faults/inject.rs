@@ -58,11 +58,22 @@ async fn seconds(seconds: f64) {
 }
 
 async fn to_robot(field: &Field, robot: &Robot, injection: &Injection) {
-    let Injection { kind, lasts, .. } = *injection;
     field.drives(robot).await;
     robot.is_busy.store(true, Ordering::SeqCst);
     robot.disturb();
     says(field, injection, &robot.id);
+    befall(field, robot, injection).await;
+    if matches!(injection.kind, Kind::Stop | Kind::StopRace) {
+        let _nobody_stops_all = field.everybody.read().await;
+        field.resume(robot).await;
+    }
+    field.goes_on(robot, injection.kind, true).await;
+    robot.is_busy.store(false, Ordering::SeqCst);
+}
+
+/// Injects a fault into a robot; it is lifted on return.
+async fn befall(field: &Field, robot: &Robot, injection: &Injection) {
+    let Injection { kind, lasts, .. } = *injection;
     let mut rng = Pcg64Mcg::seed_from_u64(injection.seed);
     match kind {
         Kind::AgentKill => {
@@ -110,16 +121,7 @@ async fn to_robot(field: &Field, robot: &Robot, injection: &Injection) {
         Kind::StopRace => {
             let _nobody_resumes_all = field.everybody.read().await;
             for _ in 0..RACES {
-                let resume = async {
-                    seconds(RACE_BEGINS).await;
-                    field.resume(robot).await;
-                };
-                let stop = async {
-                    seconds(RACE_BEGINS + rng.random_range(RACE)).await;
-                    field.stop(robot).await
-                };
-                tokio::join!(hold_store(field, RACE_HELD), resume, stop);
-                field.stop_holds(robot).await;
+                race(field, robot, RACE_BEGINS + rng.random_range(RACE)).await;
             }
             seconds(lasts).await;
             field.stop_holds(robot).await;
@@ -132,12 +134,20 @@ async fn to_robot(field: &Field, robot: &Robot, injection: &Injection) {
         | Kind::StoreHeld
         | Kind::StopAll => {}
     }
-    if matches!(kind, Kind::Stop | Kind::StopRace) {
-        let _nobody_stops_all = field.everybody.read().await;
+}
+
+/// Stops a robot, after so many s, while a resume waits for the store.
+async fn race(field: &Field, robot: &Robot, stop_after: f64) {
+    let resume = async {
+        seconds(RACE_BEGINS).await;
         field.resume(robot).await;
-    }
-    field.goes_on(robot, kind, true).await;
-    robot.is_busy.store(false, Ordering::SeqCst);
+    };
+    let stop = async {
+        seconds(stop_after).await;
+        field.stop(robot).await
+    };
+    tokio::join!(hold_store(field, RACE_HELD), resume, stop);
+    field.stop_holds(robot).await;
 }
 
 /// Says again what the robot's agent said in the last two seconds, in any order and all at once.
@@ -159,53 +169,64 @@ async fn to_server(field: &Field, injection: &Injection) {
     let everybody = || field.robots.iter();
     everybody().for_each(Robot::disturb);
     says(field, injection, "the server");
-    match kind {
-        Kind::ServerKill | Kind::ServerPause | Kind::ServerRestart => {
-            everybody().for_each(|robot| robot.cut(true, Blindness::NoServer));
-            match kind {
-                Kind::ServerKill => field.life.kill(),
-                Kind::ServerPause => field.life.signal(Signal::Stop),
-                _ => {
-                    if !field.life.end().await {
-                        let what = "the server does not end when told to".to_owned();
-                        field.wrong(what, |tally| tally.servers_hung += 1);
-                    }
-                }
-            }
-            seconds(lasts).await;
-            if kind == Kind::ServerPause {
-                field.life.signal(Signal::Continue);
-            } else {
-                field.life.begin_next();
-            }
-            everybody().for_each(|robot| robot.cut(false, Blindness::NoServer));
-        }
-        Kind::DiskFull => {
-            if field.life.fill_disk(true) {
-                seconds(lasts).await;
-                field.life.fill_disk(false);
-            } else {
-                field.count(|tally| *tally.skipped.entry(kind).or_default() += 1);
-            }
-        }
-        Kind::StoreHeld => {
-            if !hold_store(field, lasts).await {
-                field.count(|tally| *tally.skipped.entry(kind).or_default() += 1);
-            }
-        }
-        Kind::StopAll => {
-            let _nobody_resumes = field.everybody.write().await;
-            field.stop_all().await;
-            seconds(lasts).await;
-            join_all(everybody().map(|robot| field.stop_holds(robot))).await;
-            field.resume_all().await;
-        }
-        // Those of robots come to none of them.
-        _ => {}
+    let is_possible = match kind {
+        Kind::DiskFull => fill_disk(field, lasts).await,
+        Kind::StoreHeld => hold_store(field, lasts).await,
+        Kind::StopAll => stop_all(field, lasts).await,
+        _ => interrupt(field, kind, lasts).await,
+    };
+    if !is_possible {
+        field.count(|tally| *tally.skipped.entry(kind).or_default() += 1);
     }
     everybody().for_each(Robot::disturb);
     let idle = everybody().filter(|robot| !robot.is_busy.load(Ordering::SeqCst));
     join_all(idle.map(|robot| field.goes_on(robot, kind, false))).await;
+}
+
+/// The server dies, ends or stands still, and is back after so many s.
+async fn interrupt(field: &Field, kind: Kind, lasts: f64) -> bool {
+    field.robots.iter().for_each(|robot| robot.cut(true, Blindness::NoServer));
+    match kind {
+        Kind::ServerPause => field.life.signal(Signal::Stop),
+        Kind::ServerRestart => end(field).await,
+        _ => field.life.kill(),
+    }
+    seconds(lasts).await;
+    if kind == Kind::ServerPause {
+        field.life.signal(Signal::Continue);
+    } else {
+        field.life.begin_next();
+    }
+    field.robots.iter().for_each(|robot| robot.cut(false, Blindness::NoServer));
+    true
+}
+
+/// The server ends as it is told to.
+async fn end(field: &Field) {
+    if !field.life.end().await {
+        let what = "the server does not end when told to".to_owned();
+        field.wrong(what, |tally| tally.servers_hung += 1);
+    }
+}
+
+/// Everybody is stopped, and resumed after so many s.
+async fn stop_all(field: &Field, lasts: f64) -> bool {
+    let _nobody_resumes = field.everybody.write().await;
+    field.stop_all().await;
+    seconds(lasts).await;
+    join_all(field.robots.iter().map(|robot| field.stop_holds(robot))).await;
+    field.resume_all().await;
+    true
+}
+
+/// Nothing can be written for so many s; false where this machine does not allow it.
+async fn fill_disk(field: &Field, lasts: f64) -> bool {
+    let is_full = field.life.fill_disk(true);
+    if is_full {
+        seconds(lasts).await;
+        field.life.fill_disk(false);
+    }
+    is_full
 }
 
 /// Another program writes to the store for so many s; false where it could not.
