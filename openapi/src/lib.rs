@@ -36,6 +36,7 @@ pub mod step;
 pub mod stop;
 pub mod task;
 pub mod training;
+pub mod watch;
 
 pub use check::Range;
 pub use document::document;

@@ -67,6 +67,16 @@ impl Belief {
         self.channels.iter().map(ChannelBelief::samples).sum()
     }
 
+    /// What is believed of every channel, to come back to.
+    pub fn channels(&self) -> [ChannelBelief; 4] {
+        self.channels
+    }
+
+    /// Back to what was believed of every channel.
+    pub fn restore(&mut self, channels: [ChannelBelief; 4]) {
+        self.channels = channels;
+    }
+
     /// One channel's belief.
     pub fn channel(&self, channel: Channel) -> &ChannelBelief {
         &self.channels[channel as usize]

@@ -243,7 +243,12 @@ impl Pilot {
         let output = self.controller.step(request);
         self.shown.drained |= self.draining;
         for event in output.events {
+            warn(&self.id, &event);
             self.publish(kind(&event, &self.controller.progress()));
+        }
+        if let Some(pose) = self.controller.pose().filter(|pose| Some(*pose) != seen) {
+            let age = Duration::try_from_secs_f64(request.sent - pose.taken).unwrap_or_default();
+            self.shown.pose_taken = now.checked_sub(age);
         }
         let horizon = Horizon::from(&output.horizon);
         let progress = self.controller.progress();
@@ -285,7 +290,8 @@ impl Pilot {
             }
             Command::Stop => self.stop(),
             Command::Resume => {
-                if self.controller.is_stopped() && !self.draining {
+                let is_held = self.controller.watch_state().is_some();
+                if (self.controller.is_stopped() || is_held) && !self.draining {
                     self.controller.resume();
                     self.publish(Kind::Resumed);
                 }
@@ -316,6 +322,7 @@ impl Pilot {
     fn show(&mut self) {
         let shown = &mut self.shown;
         shown.progress = self.controller.progress();
+        shown.watch(self.controller.watch_state());
         shown.stopped = self.controller.is_stopped();
         shown.epoch = self.session.epoch();
         // A takeover forgets the pose with the clock; the last one known stays on show.
@@ -326,6 +333,24 @@ impl Pilot {
 
     fn publish(&self, kind: Kind) {
         self.common.feed.publish(&self.ring, &self.id, kind);
+    }
+}
+
+/// Says in the log what the watch finds.
+fn warn(robot: &RobotId, event: &controller::Event) {
+    match event {
+        controller::Event::Found { alarm, rests } => {
+            let (state, seen, remedy) = (alarm.condition().name(), alarm.seen(), alarm.remedy());
+            if *rests {
+                tracing::warn!(%robot, state, seen, remedy, "the watch brings the robot to rest");
+            } else {
+                tracing::warn!(%robot, state, seen, remedy, "the watch has a remark");
+            }
+        }
+        controller::Event::Over(alarm) => {
+            tracing::info!(%robot, state = alarm.condition().name(), "over, the robot goes on");
+        }
+        _ => {}
     }
 }
 
@@ -376,6 +401,10 @@ fn kind(event: &controller::Event, progress: &Progress) -> Kind {
         controller::Event::PosesBelievedAgain => Kind::PoseBelievedAgain,
         controller::Event::CalibrationEnded => Kind::CalibrationEnded,
         controller::Event::WaypointReached { leg } => Kind::WaypointReached { leg },
+        controller::Event::Found { alarm, rests } => {
+            Kind::Watch(umwelt_api::watch::Watch::new(&alarm, rests, Some(0.0)))
+        }
+        controller::Event::Over(alarm) => Kind::WatchOver { state: alarm.condition().into() },
         controller::Event::Arrived => {
             Kind::Arrived { elapsed_s: progress.elapsed, max_deviation_m: progress.max_deviation }
         }
