@@ -165,6 +165,19 @@ impl Commands {
         false
     }
 
+    /// Whether the robot ever reported what it plays.
+    pub fn is_reported(&self) -> bool {
+        !self.played.is_empty()
+    }
+
+    /// Whether what was played at `time` was reported within `hole` s of it.
+    pub fn is_covered(&self, time: f64, hole: f64) -> bool {
+        let report = self.played.iter().rev().find(|played| played.playing.since <= time + SOON);
+        report.is_some_and(|report| {
+            time <= report.reported + hole && self.horizon(report.playing.horizon).is_some()
+        })
+    }
+
     fn horizon(&self, sequence: u64) -> Option<&Horizon> {
         // Asked for among the newest, as a rule.
         self.sent.newest_first().find(|horizon| horizon.sequence == sequence)

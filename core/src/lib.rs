@@ -27,3 +27,4 @@ pub mod plant;
 pub mod prediction;
 mod seeds;
 pub mod steering;
+pub mod watch;

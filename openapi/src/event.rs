@@ -10,6 +10,7 @@ use crate::number;
 use crate::robot::{Pose, State};
 use crate::step::Horizon;
 use crate::task::Progress;
+use crate::watch::{self, Watch};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -88,6 +89,13 @@ pub enum Kind {
     Stopped,
     /// The robot was told to go on.
     Resumed,
+    /// The watch over commanded and seen motion found something.
+    Watch(Watch),
+    /// What the watch had found is over by itself.
+    WatchOver {
+        /// What it was.
+        state: watch::State,
+    },
     /// The server has forgotten events between `Last-Event-ID` and the next one.
     Missed,
     /// Something of a later version.
@@ -114,6 +122,8 @@ impl Kind {
             Self::Arrived { .. } => "arrived",
             Self::Stopped => "stopped",
             Self::Resumed => "resumed",
+            Self::Watch(_) => "watch",
+            Self::WatchOver { .. } => "watch_over",
             Self::Missed => "missed",
             Self::Other => "other",
         }

@@ -38,6 +38,7 @@ pub mod task;
 mod token;
 pub mod training;
 pub mod visible;
+pub mod watch;
 
 pub use check::Range;
 pub use document::document;

@@ -23,6 +23,7 @@ use crate::number;
 use crate::page::limits;
 use crate::problem::Problems;
 use crate::task;
+use crate::watch::Watch;
 use serde::{Deserialize, Serialize};
 use umwelt_core::exchange;
 use utoipa::ToSchema;
@@ -61,6 +62,12 @@ pub struct Robot {
     pub stopped: bool,
     /// The last accepted pose; null before the first.
     pub pose: Option<Pose>,
+    /// Age of that pose; it grows while no other is accepted. Null before the first.
+    #[serde(default)]
+    pub pose_age_s: Option<f64>,
+    /// What the watch over commanded and seen motion finds; null where all is well.
+    #[serde(default)]
+    pub watch: Option<Watch>,
     /// How far its task has got; null without a task.
     pub task: Option<task::Progress>,
     /// The epoch of its agent; null before the first step.

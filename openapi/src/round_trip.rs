@@ -17,6 +17,7 @@ use umwelt_core::controller::task as core_task;
 use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
+use umwelt_core::watch::Condition;
 
 proptest! {
     #[test]
@@ -52,7 +53,8 @@ proptest! {
     fn progress_survives_the_wire(leg in 0..9usize, deviation in 0.0..9.0f64, elapsed in 0.0..1e6f64) {
         for stage in [core_task::Stage::Idle, core_task::Stage::Calibrating, core_task::Stage::Turning,
                       core_task::Stage::Driving, core_task::Stage::Stopping, core_task::Stage::Arrived] {
-            let core = core_task::Progress { stage, leg, legs: 9, deviation, max_deviation: 2.0 * deviation, elapsed };
+            let core = core_task::Progress { stage, leg, legs: 9, deviation, max_deviation: 2.0 * deviation, elapsed,
+                                                  limited_by: Some(core_task::Limit::Hold), watch: Some(Condition::OffPath) };
             let json = serde_json::to_string(&task::Progress::from(core)).unwrap();
             let wire: task::Progress = serde_json::from_str(&json).unwrap();
             prop_assert_eq!(core_task::Progress::from(wire), core);

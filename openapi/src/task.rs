@@ -5,6 +5,7 @@ use crate::check::{Check, Checked, Range};
 use crate::id::RobotId;
 use crate::number;
 use crate::problem::Problems;
+use crate::watch;
 use serde::{Deserialize, Serialize};
 use umwelt_core::controller::task::{self, MAX_WAYPOINTS};
 use umwelt_core::geometry::Point;
@@ -16,6 +17,8 @@ pub const MAX_BODY: usize = 256 * 1024;
 pub const COORDINATE: Range = Range::new(-1e4, 1e4, "m");
 /// Below 0.1 mm no pose is known; ten metres away is not there.
 pub const TOLERANCE: Range = Range::new(1e-4, 10.0, "m");
+/// A millimetre is less than robots of this class stray; ten kilometres is nowhere.
+pub const MAX_DEVIATION: Range = Range::new(1e-3, 1e4, "m");
 /// More rotations than this teach nothing.
 pub const MAX_ROTATIONS: u64 = 1000;
 /// From barely turning to more than any drive here does in place.
@@ -116,6 +119,9 @@ pub struct Spec {
     /// Motion before the task; none where it is null or left out, the default motion for `{}`.
     #[serde(default)]
     pub calibration: Option<Calibration>,
+    /// Largest distance from the path before the robot rests. Left out: the length of the leg, at least ten track widths.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_deviation_m: Option<f64>,
 }
 
 fn tolerance() -> f64 {
@@ -127,6 +133,9 @@ impl Checked for Spec {
         check.length("waypoints", self.waypoints.len(), 1..=MAX_WAYPOINTS);
         check.items("waypoints", &self.waypoints);
         check.number("tolerance_m", self.tolerance_m, TOLERANCE);
+        if let Some(deviation) = self.max_deviation_m {
+            check.number("max_deviation_m", deviation, MAX_DEVIATION);
+        }
         if let Some(calibration) = &self.calibration {
             check.field("calibration", |check| calibration.check(check));
         }
@@ -152,6 +161,7 @@ impl Spec {
             waypoints: self.waypoints.iter().map(|at| Point::new(at.x_m, at.y_m)).collect(),
             tolerance: self.tolerance_m,
             reverse: self.reverse,
+            max_deviation: self.max_deviation_m,
             calibration: self.calibration.map(|calibration| task::Calibration {
                 rotations: calibration.rotations,
                 angular: calibration.angular_rad_per_s,
@@ -170,6 +180,7 @@ impl From<&task::Task> for Spec {
             tolerance_m: core.tolerance,
             reverse: core.reverse,
             calibration: core.calibration.map(Calibration::from),
+            max_deviation_m: core.max_deviation,
         }
     }
 }
@@ -238,6 +249,12 @@ pub struct Progress {
     /// Time since the calibration ended, until the arrival; 0 before.
     #[serde(serialize_with = "number::finite")]
     pub elapsed_s: f64,
+    /// What limits the speed now; null where the robot is not to move.
+    #[serde(default)]
+    pub limited_by: Option<watch::Limit>,
+    /// What the watch over commanded and seen motion finds; null where all is well. The robot says more: `robot.watch`.
+    #[serde(default)]
+    pub watch: Option<watch::State>,
 }
 
 impl From<task::Progress> for Progress {
@@ -249,6 +266,8 @@ impl From<task::Progress> for Progress {
             deviation_m: core.deviation,
             max_deviation_m: core.max_deviation,
             elapsed_s: core.elapsed,
+            limited_by: core.limited_by.map(watch::Limit::from),
+            watch: core.watch.map(watch::State::from),
         }
     }
 }
@@ -262,6 +281,8 @@ impl From<Progress> for task::Progress {
             deviation: wire.deviation_m,
             max_deviation: wire.max_deviation_m,
             elapsed: wire.elapsed_s,
+            limited_by: wire.limited_by.and_then(watch::Limit::to_core),
+            watch: wire.watch.and_then(watch::State::to_core),
         }
     }
 }

@@ -31,6 +31,8 @@ const KINDS: &[&str] = &[
     "arrived",
     "stopped",
     "resumed",
+    "watch",
+    "watch_over",
     "missed",
 ];
 
@@ -148,6 +150,8 @@ fn details(kind: &Kind) -> String {
             "after {elapsed_s:.1} s, largest deviation {}",
             quantity::millimetres(*max_deviation_m)
         ),
+        Kind::Watch(watch) => quantity::watch(watch),
+        Kind::WatchOver { state } => format!("{}, the robot goes on", state.name()),
         Kind::Missed => "the server has forgotten some events before this".to_owned(),
         Kind::Registered
         | Kind::Removed
@@ -210,6 +214,6 @@ mod tests {
             assert_eq!(event.kind.name(), name);
         }
         assert!(simple.iter().all(|name| KINDS.contains(name)));
-        assert_eq!(KINDS.len(), 16);
+        assert_eq!(KINDS.len(), 18);
     }
 }

@@ -2,6 +2,7 @@
 
 use umwelt_api::robot::{Pose, Robot, State};
 use umwelt_api::task::{Progress, Stage};
+use umwelt_api::watch::Watch;
 
 /// Where nothing is known.
 pub(super) const UNKNOWN: &str = "-";
@@ -65,6 +66,12 @@ pub(super) fn presence(robot: &Robot) -> String {
     text
 }
 
+/// What the watch finds, and what to do about it, as `stuck, at rest: commanded ...; free the robot`.
+pub(super) fn watch(watch: &Watch) -> String {
+    let rests = if watch.rests { ", at rest" } else { "" };
+    format!("{}{rests}: {}; {}", watch.state.name(), watch.seen, watch.remedy)
+}
+
 pub(super) fn state(state: State) -> &'static str {
     match state {
         State::Never => "never seen",
@@ -111,7 +118,10 @@ pub(super) fn progress(progress: &Progress) -> String {
         }
     };
     let (deviation, largest) = (millimetres(deviation_m), millimetres(max_deviation_m));
-    format!("{doing}, {elapsed_s:.1} s, deviation {deviation} (largest {largest})")
+    let limit = progress
+        .limited_by
+        .map_or_else(String::new, |limit| format!(", speed limited by {}", limit.name()));
+    format!("{doing}, {elapsed_s:.1} s, deviation {deviation} (largest {largest}){limit}")
 }
 
 #[cfg(test)]
@@ -133,7 +143,11 @@ mod tests {
             deviation_m: 0.001,
             max_deviation_m: 0.0041,
             elapsed_s: 12.0,
+            limited_by: None,
+            watch: None,
         };
+        let slow = Progress { limited_by: Some(umwelt_api::watch::Limit::Variance), ..driving };
+        assert!(progress(&slow).ends_with(", speed limited by variance"));
         assert_eq!(short_progress(&driving), "driving 1/2");
         assert_eq!(
             progress(&driving),

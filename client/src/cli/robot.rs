@@ -222,9 +222,11 @@ fn list(page: &Page) -> String {
     ]);
     for robot in &page.robots {
         let stopped = if robot.stopped { ", stopped" } else { "" };
+        let watch = robot.watch.as_ref();
+        let watch = watch.map_or_else(String::new, |watch| format!(", {}", watch.state.name()));
         table.row([
             robot.robot.to_string(),
-            format!("{}{stopped}", quantity::state(robot.state)),
+            format!("{}{stopped}{watch}", quantity::state(robot.state)),
             or_unknown(robot.last_seen_s_ago, |s| format!("{} ago", quantity::span(s))),
             or_unknown(robot.task.as_ref(), quantity::short_progress),
             or_unknown(robot.pose, |pose| metres(pose.x_m)),
@@ -240,7 +242,15 @@ fn list(page: &Page) -> String {
 fn show(robot: &Robot) -> String {
     let mut text = format!("{}: {}\n", robot.robot, quantity::presence(robot));
     let lines = [
-        ("pose", or_unknown(robot.pose.as_ref(), quantity::pose)),
+        (
+            "pose",
+            or_unknown(robot.pose.as_ref(), |pose| {
+                let age = robot.pose_age_s;
+                let age = age.map_or_else(String::new, |s| format!(", {} old", quantity::span(s)));
+                format!("{}{age}", quantity::pose(pose))
+            }),
+        ),
+        ("watch", robot.watch.as_ref().map_or_else(|| "all is well".to_owned(), quantity::watch)),
         ("task", or_unknown(robot.task.as_ref(), quantity::progress)),
         (
             "loop delay",
@@ -301,6 +311,8 @@ mod tests {
             last_seen_s_ago: None,
             stopped: false,
             pose: None,
+            pose_age_s: None,
+            watch: None,
             task: None,
             epoch: None,
             loop_delay_median_s: None,
@@ -346,6 +358,8 @@ mod tests {
             deviation_m: 0.001,
             max_deviation_m: 0.0041,
             elapsed_s: 9.0,
+            limited_by: None,
+            watch: None,
         };
         let lost = Robot {
             last_seen_s_ago: Some(312.0),

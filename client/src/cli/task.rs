@@ -74,6 +74,9 @@ pub(super) struct Set {
     /// Distance from a waypoint within which the robot has arrived
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     tolerance: Option<f64>,
+    /// Largest distance from the path before the robot rests [default: the leg's length, at least ten track widths]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    max_deviation: Option<f64>,
     /// Drive in reverse toward waypoints behind the robot, rather than turn round
     #[arg(long)]
     reverse: bool,
@@ -186,6 +189,9 @@ impl Set {
         if let Some(tolerance) = self.tolerance {
             spec.tolerance_m = tolerance;
         }
+        if self.max_deviation.is_some() {
+            spec.max_deviation_m = self.max_deviation;
+        }
         spec.reverse |= self.reverse;
         spec.calibration = self.calibration.on_top_of(spec.calibration);
         spec.to_core().map_err(|problems| Failure::wrong_body(&source, &problems))?;
@@ -282,7 +288,9 @@ async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> 
 
 /// What is worth a line of its own in a log.
 fn substance(robot: &Robot, task: &Task) -> String {
-    format!("{:?} {} {}", robot.state, robot.stopped, quantity::short_progress(&task.progress))
+    let Robot { state, stopped, watch, .. } = robot;
+    let watch = watch.as_ref().map_or("", |watch| watch.state.name());
+    format!("{state:?} {stopped} {watch} {}", quantity::short_progress(&task.progress))
 }
 
 /// How a robot gets on, and what it waits for.
@@ -293,7 +301,14 @@ fn status(robot: &Robot, task: &Task) -> String {
         return format!("{id}: stopped until resumed (umwelt resume {id}); {progress}");
     }
     match robot.state {
-        State::Connected => format!("{id}: {progress}"),
+        State::Connected => match &robot.watch {
+            Some(watch) => {
+                let rests = watch.rests && watch.state != umwelt_api::watch::State::NoPoses;
+                let resume = if rests { format!(" (umwelt resume {id})") } else { String::new() };
+                format!("{id}: {}{resume}; {progress}", quantity::watch(watch))
+            }
+            None => format!("{id}: {progress}"),
+        },
         State::Never => format!("{id}: never seen, goes when its agent comes; {progress}"),
         State::Failed => {
             format!("{id}: the server's computation for it does not end, see its log; {progress}")
@@ -373,6 +388,8 @@ mod tests {
             deviation_m: 0.001,
             max_deviation_m: 0.0041,
             elapsed_s: 12.0,
+            limited_by: None,
+            watch: None,
         };
         let spec = spec("--waypoint 0.2,0 --waypoint 0,-0.1").unwrap();
         Task { robot: "a".parse().unwrap(), spec, progress, etag: "\"1\"".to_owned() }

@@ -16,6 +16,12 @@ const MAX_AHEAD: f64 = 2.0;
 
 /// One decision each; the defaults are the thesis's method, which predicts by what it has identified.
 pub trait Compensation {
+    /// Whether the [watch](crate::watch) looks after the robot. Methods of others are driven as they were published: it
+    /// does not.
+    fn is_watched(&self) -> bool {
+        false
+    }
+
     /// A reply's loop delay was reported.
     fn learn(&mut self, delivery: &Delivery) {
         let _ = delivery;
@@ -105,4 +111,8 @@ pub struct Way {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identified;
 
-impl Compensation for Identified {}
+impl Compensation for Identified {
+    fn is_watched(&self) -> bool {
+        true
+    }
+}

@@ -10,6 +10,7 @@ mod record;
 mod saved;
 pub mod settings;
 pub mod task;
+mod watching;
 
 use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
@@ -17,9 +18,10 @@ use crate::geometry::elementary::least;
 use crate::geometry::{Displacement, Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, MAX_WATCHDOG, SLOT};
 use crate::identification::estimate::Environment;
-use crate::identification::{Belief, Verdict, Window};
+use crate::identification::{Belief, ChannelBelief, Verdict, Window};
 use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
+use crate::watch::{Alarm, Watch};
 use arrayvec::ArrayVec;
 use compensation::{Compensation, Identified};
 pub use news::GROWTH;
@@ -28,7 +30,7 @@ use record::Record;
 pub use saved::Saved;
 use serde::{Deserialize, Serialize};
 use settings::{Attribution, PredictorKind, Settings};
-use task::{Progress, Stage, Task};
+use task::{Limit, Progress, Stage, Task};
 
 /// Version of the stored state; a state of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
@@ -72,6 +74,15 @@ pub enum Event {
     },
     /// The last waypoint was reached.
     Arrived,
+    /// The watch found something.
+    Found {
+        /// What.
+        alarm: Alarm,
+        /// Whether the robot rests for it.
+        rests: bool,
+    },
+    /// What the watch had found is over by itself.
+    Over(Alarm),
 }
 
 /// The answer to one request.
@@ -123,6 +134,11 @@ pub struct Controller<C = Identified> {
     phases: Phases,
     record: Record,
     stopped: bool,
+    watch: Watch,
+    /// What was believed when the robot was last seen to move as commanded.
+    healthy: Option<[ChannelBelief; 4]>,
+    /// What limits the speed at the start of the newest horizon.
+    limit: Option<Limit>,
 }
 
 impl Controller {
@@ -148,6 +164,9 @@ impl<C: Compensation> Controller<C> {
             phases: Phases::new(),
             record: Record::default(),
             stopped: false,
+            watch: Watch::default(),
+            healthy: None,
+            limit: None,
         }
     }
 
@@ -169,6 +188,7 @@ impl<C: Compensation> Controller<C> {
         for observation in &request.observations {
             self.observe(*observation, events);
         }
+        self.watch_age(request.sent, events);
         self.command(request)
     }
 
@@ -213,6 +233,7 @@ impl<C: Compensation> Controller<C> {
         let span = observation.taken - track.last.taken;
         if !self.can_have_moved(predicted, observation.pose, span) {
             self.belief.poses_set_aside += 1;
+            self.watch_set_aside(observation.taken, events);
             let again = self.doubt.filter(|doubt| {
                 let span = observation.taken - doubt.last.taken;
                 self.can_have_moved(doubt.last.pose, observation.pose, span)
@@ -225,6 +246,7 @@ impl<C: Compensation> Controller<C> {
                 return;
             }
             let _ = events.try_push(Event::PosesBelievedAgain);
+            self.watch_anew();
             self.compensation.begin(observation);
             self.track =
                 Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
@@ -235,6 +257,7 @@ impl<C: Compensation> Controller<C> {
             let pose = self.compensation.believe(taken, pose, predicted, moved);
             self.track =
                 Some(Track { last: Observation { pose, taken }, wheels, window, interval });
+            self.watch_step(track.last, observation, predicted, moved, events);
         }
         self.doubt = None;
         self.commands.settle(observation.taken - self.settings.drive.dead_time);
@@ -248,7 +271,7 @@ impl<C: Compensation> Controller<C> {
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            let piece = window.add(twist, duration);
+            let piece = window.add(self.watch.floors().moving(twist), duration);
             moved = Some(moved.map_or(piece, |moved: Displacement| moved.then(piece)));
             wheels = end;
         });
@@ -267,11 +290,17 @@ impl<C: Compensation> Controller<C> {
         );
     }
 
-    /// Whether a robot can be at `pose` where `expected` was predicted over `span` s.
-    fn can_have_moved(&self, expected: Pose, pose: Pose, span: f64) -> bool {
+    /// How far from where it was predicted a robot can be after `span` s, in m and rad.
+    fn reach(&self, span: f64) -> (f64, f64) {
         let Settings { drive, noise, .. } = &self.settings;
         let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
         let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
+        (far, turned)
+    }
+
+    /// Whether a robot can be at `pose` where `expected` was predicted over `span` s.
+    fn can_have_moved(&self, expected: Pose, pose: Pose, span: f64) -> bool {
+        let (far, turned) = self.reach(span);
         expected.point().distance(pose.point()) <= far
             && expected.heading.minus(pose.heading).abs() <= turned
     }
@@ -356,14 +385,21 @@ impl<C: Compensation> Controller<C> {
             previous: kinematics::forward(&drive, before),
             phase: self.phase,
             fresh: age <= loop_delay + FRESH,
-            stopped: self.stopped || begins - taken > self.compensation.patience(&self.settings),
+            stopped: self.stopped
+                || self.watch.rests()
+                || begins - taken > self.compensation.patience(&self.settings),
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
         let task = self.task.as_ref();
-        let rules = plan::Rules { settings: &self.settings, compensation: &self.compensation };
-        plan::plan(rules, &model, task, start, prediction, speeds, phases);
+        let rules = plan::Rules {
+            settings: &self.settings,
+            compensation: &self.compensation,
+            floors: self.watch.floors(),
+        };
+        let limit = plan::plan(rules, &model, task, start, prediction, speeds, phases);
+        self.limit = if self.watch.rests() { Some(Limit::Watch) } else { limit };
         horizon
     }
 
@@ -416,7 +452,7 @@ impl<C: Compensation> Controller<C> {
         // Commands act a dead time after they come into force, those of the horizon too.
         self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            if let Some(motion) = pieces.add(twist, duration) {
+            if let Some(motion) = pieces.add(self.watch.floors().moving(twist), duration) {
                 prediction.advance(model, motion);
             }
             wheels = end;
@@ -434,6 +470,7 @@ impl<C: Compensation> Controller<C> {
         self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
         self.phases.clear();
         self.record = Record::default();
+        self.watch.resume();
         self.task = Some(task);
     }
 
@@ -443,6 +480,7 @@ impl<C: Compensation> Controller<C> {
         self.phase = Phase::Idle;
         self.phases.clear();
         self.record = Record::default();
+        self.watch.resume();
     }
 
     /// Rest until [`Controller::resume`]; the task is kept.
@@ -450,9 +488,10 @@ impl<C: Compensation> Controller<C> {
         self.stopped = true;
     }
 
-    /// Goes on after [`Controller::stop`].
+    /// Goes on after [`Controller::stop`], or after the watch has brought the robot to rest.
     pub fn resume(&mut self) {
         self.stopped = false;
+        self.watch.resume();
     }
 
     /// Whether the robot has been told to stop.
@@ -469,11 +508,15 @@ impl<C: Compensation> Controller<C> {
         self.phases.clear();
         self.phase = self.phase.resumed();
         self.record.restart_clock();
+        self.watch.restart_clock();
+        self.healthy = None;
     }
 
     /// Back to the prior.
     pub fn reset_environment(&mut self) {
         self.belief.reset();
+        self.watch.unlearn();
+        self.healthy = None;
     }
 
     /// New settings. The task is kept; what was learned is kept unless method, prior or channels changed.
@@ -483,6 +526,10 @@ impl<C: Compensation> Controller<C> {
             (old.method, old.prior, old.drift) != (settings.method, settings.prior, settings.drift);
         if relearn {
             self.belief = Belief::new(settings.method, &settings.prior, settings.drift);
+        }
+        if relearn || old.drive != settings.drive {
+            self.watch.unlearn();
+            self.healthy = None;
         }
         self.settings = settings;
         self.phases.clear();
@@ -507,7 +554,11 @@ impl<C: Compensation> Controller<C> {
     pub fn progress(&self) -> Progress {
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
         let stage = if legs == 0 { Stage::Idle } else { self.phase.stage() };
-        self.record.progress(stage, legs)
+        Progress {
+            limited_by: self.limit,
+            watch: self.watch.state().map(|(alarm, _)| alarm.condition()),
+            ..self.record.progress(stage, legs)
+        }
     }
 
     /// Whether the task is done: the stage of [`Controller::progress`] without the rest.

@@ -13,9 +13,10 @@ const MOVE: f64 = 0.5;
 
 impl Saved {
     /// Whether it says something of weight that `kept`, an earlier one, does not: another phase of the task or a waypoint
-    /// reached, a mean that has moved, or anything counted that has grown by more than [`GROWTH`].
+    /// reached, what the watch holds the robot for, a mean that has moved, or anything counted that has grown by more than [`GROWTH`].
     pub fn is_news_after(&self, kept: &Self) -> bool {
         stage(self.phase) != stage(kept.phase)
+            || self.watch != kept.watch
             || self.record.reached() != kept.record.reached()
             || has_grown(kept.record.elapsed(), self.record.elapsed())
             || has_grown(

@@ -2,12 +2,13 @@
 
 use super::compensation::{Compensation, Way};
 use super::settings::Settings;
-use super::task::{Stage, Task};
+use super::task::{Limit, Stage, Task};
 use crate::geometry::{Displacement, Point, Pose, Twist, WheelSpeeds, length};
 use crate::horizon::MAX_SLOTS;
-use crate::kinematics::{self, Drive};
+use crate::kinematics;
 use crate::prediction::{ErrorModel, Motion, Prediction};
 use crate::steering;
+use crate::watch::Floors;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -125,6 +126,8 @@ pub struct Rules<'a, C> {
     pub settings: &'a Settings,
     /// How it drives.
     pub compensation: &'a C,
+    /// What was learned of the smallest speeds.
+    pub floors: &'a Floors,
 }
 
 /// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
@@ -132,7 +135,7 @@ pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;
 
 /// Rolls the task forward from the pose predicted at the start: wheel speeds per slot into `speeds`, the phases that they
 /// lead through into `phases`.
-/// Both are large and stay in place: a plan is made in every slot.
+/// Both are large and stay in place: a plan is made in every slot. Returns what limits the speed in the first one.
 pub fn plan<C: Compensation>(
     rules: Rules<C>,
     model: &ErrorModel,
@@ -141,17 +144,34 @@ pub fn plan<C: Compensation>(
     prediction: Prediction,
     speeds: &mut ArrayVec<WheelSpeeds, MAX_SLOTS>,
     phases: &mut Phases,
-) {
+) -> Option<Limit> {
     speeds.clear();
     phases.clear();
     let predictions = [prediction.clone(), prediction];
-    let Rules { settings, compensation } = rules;
-    let mut roll = Roll { settings, compensation, model, task, state: start, predictions, now: 0 };
+    let Rules { settings, compensation, floors } = rules;
+    let least = floors.raised(&settings.drive);
+    let mut roll = Roll {
+        settings,
+        compensation,
+        floors,
+        least: Twist::new(least.min_linear, least.min_angular),
+        model,
+        task,
+        state: start,
+        predictions,
+        now: 0,
+        limit: None,
+    };
+    let mut limit = None;
     for slot in 0..settings.slots.clamp(1, MAX_SLOTS) {
         phases.push(roll.state.phase);
         speeds.push(roll.next(slot));
+        if slot == 0 {
+            limit = roll.limit;
+        }
     }
     phases.push(roll.state.phase);
+    limit
 }
 
 /// What the way to a point asks for.
@@ -160,8 +180,8 @@ enum Approach {
     Reached,
     /// The point lies too far off the heading to be driven to.
     OffHeading,
-    /// Drive.
-    Go(Twist),
+    /// Drive, and what limits the speed.
+    Go(Twist, Limit),
 }
 
 /// One slot under one command.
@@ -175,17 +195,23 @@ struct Slot {
 struct Roll<'a, C> {
     settings: &'a Settings,
     compensation: &'a C,
+    floors: &'a Floors,
+    /// The smallest speeds, as described or raised.
+    least: Twist,
     model: &'a ErrorModel,
     task: Option<&'a Task>,
     state: Start,
     /// The prediction at the beginning of the slot, at `now`, and the one at its end under the command tried last.
     predictions: [Prediction; 2],
     now: usize,
+    /// What limits the speed of the slot.
+    limit: Option<Limit>,
 }
 
 impl<C: Compensation> Roll<'_, C> {
     /// Decides one slot and goes on by it.
     fn next(&mut self, slot: usize) -> WheelSpeeds {
+        self.limit = None;
         let desired = match self.task {
             Some(task) if !self.state.stopped => self.decide(task),
             _ => Twist::ZERO,
@@ -204,6 +230,7 @@ impl<C: Compensation> Roll<'_, C> {
         let (drive, duration) = (&self.settings.drive, self.settings.slot);
         let speeds = kinematics::inverse(drive, command);
         let (wheels, twist) = kinematics::travel(drive, self.state.wheels, speeds, duration);
+        let twist = self.floors.moving(twist);
         let [one, other] = &mut self.predictions;
         let (before, after) = if self.now == 0 { (one, other) } else { (other, one) };
         after.become_after(before, self.model, Motion::new(twist, duration));
@@ -218,10 +245,14 @@ impl<C: Compensation> Roll<'_, C> {
         let reached = |twist| drive.reach(previous, twist, since_change);
         let full = reached(drive.limited(desired));
         let fastest = self.attempt(full);
+        if is_slower(full, desired) && self.limit.is_some() {
+            self.limit = Some(Limit::Acceleration);
+        }
         if full == Twist::ZERO || self.is_sure() {
             return fastest;
         }
-        let slowest = crawl(drive, full);
+        self.limit = self.limit.map(|_| Limit::Variance);
+        let slowest = crawl(self.least, full);
         for part in 1..SLOWER {
             let slower = full.scaled(1.0 - f64::from(part) / f64::from(SLOWER));
             if is_slower(slower, slowest) {
@@ -323,9 +354,10 @@ impl<C: Compensation> Roll<'_, C> {
         let ahead = Displacement { forward: length, ..Displacement::default() };
         let target = if outbound { origin.then(ahead) } else { origin };
         if since.is_none()
-            && let Approach::Go(twist) =
+            && let Approach::Go(twist, limit) =
                 self.approach(None, target.point(), !outbound, task.tolerance)
         {
+            self.limit = Some(limit);
             return Some(twist);
         }
         let since = since.unwrap_or(self.state.time);
@@ -372,13 +404,21 @@ impl<C: Compensation> Roll<'_, C> {
         if remaining < -KEEP_SIDE {
             remaining += TAU;
         }
-        if remaining > drive.min_angular * self.settings.slot / 2.0 {
+        let (_, overrun) = self.floors.overrun(drive, self.state.previous);
+        if remaining > (drive.min_angular * self.settings.slot / 2.0).max(overrun) {
             let stoppable = steering::stopping_speed(
                 remaining,
                 drive.max_angular_acceleration,
                 self.settings.slot,
             );
-            let speed = stoppable.clamp(drive.min_angular, drive.max_angular);
+            let speed = stoppable.clamp(self.least.angular, drive.max_angular);
+            let is_free = speed >= drive.max_angular;
+            let limit = if is_free { Limit::Drive } else { Limit::Waypoint };
+            self.limit = Some(if speed > stoppable && !self.floors.is_none() {
+                Limit::Watch
+            } else {
+                limit
+            });
             return Some(Twist::new(0.0, direction * speed));
         }
         if !self.rests() {
@@ -399,7 +439,10 @@ impl<C: Compensation> Roll<'_, C> {
         };
         let from = leg.checked_sub(1).map(|before| task.waypoints[before]);
         match self.approach(from, task.waypoints[leg], reversing, task.tolerance) {
-            Approach::Go(twist) => Some(twist),
+            Approach::Go(twist, limit) => {
+                self.limit = Some(limit);
+                Some(twist)
+            }
             Approach::OffHeading => {
                 self.state.phase = Phase::Turning { leg, side: 0 };
                 None
@@ -450,7 +493,10 @@ impl<C: Compensation> Roll<'_, C> {
         let strays = error > 2.0 * law.turn_tolerance && STRAY * error * distance > tolerance;
         let off_heading = error > law.turn_beyond || strays;
         let passed = onward <= 0.0;
-        if distance <= law.stop_radius || (distance <= tolerance && (passed || off_heading)) {
+        let (overrun, _) = self.floors.overrun(drive, self.state.previous);
+        if distance <= law.stop_radius + overrun
+            || (distance <= tolerance && (passed || off_heading))
+        {
             return Approach::Reached;
         }
         if passed || off_heading {
@@ -462,20 +508,30 @@ impl<C: Compensation> Roll<'_, C> {
             self.settings.slot,
         );
         let (previous, since_change) = (self.state.previous, self.state.since_change);
-        let speed = stoppable.clamp(drive.min_linear, drive.max_linear);
+        let speed = stoppable.clamp(self.least.linear, drive.max_linear);
         let way = Way { pose, previous, from, to: target, reverse, speed, since_change };
         if let Some(twist) = self.compensation.steer(self.settings, &way) {
-            return Approach::Go(twist);
+            return Approach::Go(twist, Limit::Waypoint);
         }
         let wanted = steering::curve(ahead, aside, law.alpha);
         let limited = drive.limited(wanted);
-        let speed = limited.linear.abs().min(stoppable).max(drive.min_linear);
+        let speed = limited.linear.abs().min(stoppable).max(self.least.linear);
+        let limit = if speed > limited.linear.abs().min(stoppable) && !self.floors.is_none() {
+            Limit::Watch
+        } else if stoppable < limited.linear.abs() {
+            Limit::Waypoint
+        } else if limited.linear.abs() < wanted.linear.abs() {
+            Limit::Drive
+        } else {
+            Limit::Alpha
+        };
         // The curve belongs to the speed that is really reached.
         let forward = Twist::new(speed.copysign(wanted.linear), 0.0);
         let reached = drive.reach(previous, forward, since_change).linear;
         let bend = wanted.angular / wanted.linear;
         let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
-        Approach::Go(Twist::new(reached, angular))
+        let limit = if reached.abs() < speed { Limit::Acceleration } else { limit };
+        Approach::Go(Twist::new(reached, angular), limit)
     }
 }
 
@@ -485,12 +541,12 @@ fn heading_error(ahead: f64, aside: f64, reverse: bool) -> f64 {
     if reverse && error.abs() > FRAC_PI_2 { (-aside).atan2(-ahead) } else { error }
 }
 
-/// The slowest command along `twist` at which the motors turn.
-fn crawl(drive: &Drive, twist: Twist) -> Twist {
+/// The slowest command along `twist` at which the motors turn, whose `least` speeds are so large.
+fn crawl(least: Twist, twist: Twist) -> Twist {
     let slow = if twist.linear.abs() > 0.0 {
-        drive.min_linear / twist.linear.abs()
+        least.linear / twist.linear.abs()
     } else {
-        drive.min_angular / twist.angular.abs()
+        least.angular / twist.angular.abs()
     };
     if slow < 1.0 { twist.scaled(slow) } else { twist }
 }

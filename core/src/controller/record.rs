@@ -96,6 +96,16 @@ impl Record {
         None
     }
 
+    /// Waypoints at which the robot was seen at rest.
+    pub fn reached(&self) -> usize {
+        self.reached
+    }
+
+    /// Distance in m of the last accepted pose from the leg, once the task has begun.
+    pub fn deviation(&self) -> Option<f64> {
+        self.began.map(|_| self.deviation)
+    }
+
     /// Forgets times of the robot's clock; what has elapsed counts on once the new one is known.
     pub fn restart_clock(&mut self) {
         self.began = None;
@@ -115,6 +125,14 @@ impl Record {
     /// As it is shown.
     pub fn progress(&self, stage: Stage, legs: usize) -> Progress {
         let Self { reached, deviation, max_deviation, elapsed, .. } = *self;
-        Progress { stage, leg: reached, legs, deviation, max_deviation, elapsed }
+        Progress {
+            stage,
+            leg: reached,
+            legs,
+            deviation,
+            max_deviation,
+            elapsed,
+            ..Progress::default()
+        }
     }
 }

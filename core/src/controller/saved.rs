@@ -6,6 +6,7 @@ use super::record::Record;
 use super::settings::Settings;
 use super::task::{Stage, Task};
 use crate::identification::Belief;
+use crate::watch::{Kept, Watch};
 use serde::{Deserialize, Serialize};
 
 /// What of a controller outlives a restart. It holds no time of the robot's clock: none is known to go on.
@@ -15,6 +16,9 @@ pub struct Saved {
     pub(super) belief: Belief,
     pub(super) phase: Phase,
     pub(super) record: Record,
+    /// Left out where there is none: the stored form is then that of earlier versions.
+    #[serde(default, skip_serializing_if = "Kept::is_none")]
+    pub(super) watch: Kept,
 }
 
 impl Saved {
@@ -58,7 +62,7 @@ impl Controller {
         let (mut belief, mut record) = (self.belief.clone(), self.record);
         belief.link.restart_clock();
         record.restart_clock();
-        Saved { belief, phase: self.phase.resumed(), record }
+        Saved { belief, phase: self.phase.resumed(), record, watch: self.watch.kept() }
     }
 
     /// A controller that goes on where another one was when `saved` was taken, the robot's clock counting anew as
@@ -74,8 +78,9 @@ impl Controller {
         saved: Saved,
     ) -> Option<Self> {
         saved.fits(&settings, task.as_ref()).then(|| {
-            let Saved { belief, phase, record } = saved;
-            Self { belief, phase, record, task, stopped, ..Self::new(settings) }
+            let Saved { belief, phase, record, watch } = saved;
+            let watch = Watch::restored(watch);
+            Self { belief, phase, record, watch, task, stopped, ..Self::new(settings) }
         })
     }
 }

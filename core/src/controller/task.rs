@@ -1,10 +1,14 @@
 //! A task: where to go, and how far it has got.
 
 use crate::geometry::Point;
+use crate::watch::Condition;
 use serde::{Deserialize, Serialize};
 
 /// Most waypoints of one task.
 pub const MAX_WAYPOINTS: usize = 1000;
+
+/// Track widths from its path that a robot may always stray, where its task does not say otherwise.
+const DEVIATION_TRACKS: f64 = 10.0;
 
 /// Default distance in m from a waypoint within which the robot has arrived.
 pub const TOLERANCE: f64 = 0.010;
@@ -43,9 +47,18 @@ pub struct Task {
     pub reverse: bool,
     /// Motion before the task; none where the environment is known well enough.
     pub calibration: Option<Calibration>,
+    /// Largest distance in m from the path before the robot rests; none for [`Task::default_deviation`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_deviation: Option<f64>,
 }
 
 impl Task {
+    /// Largest distance in m from a leg of `length` m where the task says none: a robot of track `track` m that is
+    /// farther from its leg than the leg is long does not follow it; short legs leave room to turn and recover.
+    pub fn default_deviation(length: f64, track: f64) -> f64 {
+        length.max(DEVIATION_TRACKS * track)
+    }
+
     /// The task of the thesis's simulation, (0,0) -> (0.2,0) -> (-0.5,0) m, with its calibration.
     pub fn thesis() -> Self {
         Self {
@@ -53,6 +66,7 @@ impl Task {
             tolerance: TOLERANCE,
             reverse: false,
             calibration: Some(Calibration::default()),
+            max_deviation: None,
         }
     }
 }
@@ -75,6 +89,26 @@ pub enum Stage {
     Arrived,
 }
 
+/// What limits a robot's speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Limit {
+    /// The largest speeds of the drive.
+    Drive,
+    /// The steering law's speed, alpha.
+    Alpha,
+    /// The waypoint or direction at which it is to stop.
+    Waypoint,
+    /// The largest acceleration.
+    Acceleration,
+    /// The predicted variance of the pose.
+    Variance,
+    /// The watch: the robot is to rest, or a smallest speed was raised.
+    Watch,
+    /// The robot itself, which says hold or a smaller largest speed.
+    Hold,
+}
+
 /// How far a task has got.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
@@ -90,6 +124,10 @@ pub struct Progress {
     pub max_deviation: f64,
     /// Time in s since the calibration ended, until the arrival; 0 before.
     pub elapsed: f64,
+    /// What limits the speed at the start of the newest horizon; none where the robot is not to move.
+    pub limited_by: Option<Limit>,
+    /// What the watch finds.
+    pub watch: Option<Condition>,
 }
 
 impl Default for Progress {
@@ -101,6 +139,8 @@ impl Default for Progress {
             deviation: 0.0,
             max_deviation: 0.0,
             elapsed: 0.0,
+            limited_by: None,
+            watch: None,
         }
     }
 }

@@ -67,9 +67,14 @@ impl Belief {
         self.channels.iter().map(ChannelBelief::samples).sum()
     }
 
-    /// What is believed of every channel.
-    pub fn channels(&self) -> &[ChannelBelief] {
-        &self.channels
+    /// What is believed of every channel, to come back to.
+    pub fn channels(&self) -> [ChannelBelief; 4] {
+        self.channels
+    }
+
+    /// Back to what was believed of every channel.
+    pub fn restore(&mut self, channels: [ChannelBelief; 4]) {
+        self.channels = channels;
     }
 
     /// One channel's belief.

@@ -23,6 +23,7 @@ pub(super) fn apply(schemas: &mut Schemas) {
             tolerance_m: 0.01,
             reverse: false,
             calibration: Some(task::Calibration::default()),
+            max_deviation_m: Some(1.0),
         },
     );
     write_evolve(schemas);

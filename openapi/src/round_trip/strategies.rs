@@ -143,12 +143,10 @@ pub(super) fn task() -> impl Strategy<Value = core_task::Task> {
         within(task::TOLERANCE),
         any::<bool>(),
         prop::option::of(calibration),
+        prop::option::of(within(task::MAX_DEVIATION)),
     )
-        .prop_map(|(waypoints, tolerance, reverse, calibration)| core_task::Task {
-            waypoints,
-            tolerance,
-            reverse,
-            calibration,
+        .prop_map(|(waypoints, tolerance, reverse, calibration, max_deviation)| {
+            core_task::Task { waypoints, tolerance, reverse, calibration, max_deviation }
         })
 }
 

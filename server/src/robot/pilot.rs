@@ -223,6 +223,10 @@ impl Pilot {
         let order = self.brake.order();
         if order.resumed() > self.resumed && !self.draining {
             self.resumed = order.resumed();
+            // The brake says what it changes; that the watch lets the robot go is said here.
+            if self.controller.watch_state().is_some() && !self.controller.is_stopped() {
+                self.publish(Kind::Resumed);
+            }
             self.controller.resume();
         }
         if order.is_stopped() || self.draining {
@@ -273,10 +277,16 @@ impl Pilot {
     /// A new horizon, and what happened on the way to it.
     fn control(&mut self, request: &Request, now: Instant) -> Horizon {
         let (before, seen) = (self.controller.progress(), self.controller.pose());
-        let output = self.controller.step(&self.clock.request(request));
+        let request = self.clock.request(request);
+        let output = self.controller.step(&request);
         self.shown.drained |= self.draining;
         for event in output.events {
+            warn(&self.id, &event);
             self.publish(kind(&event, &self.controller.progress(), self.clock));
+        }
+        if let Some(pose) = self.controller.pose().filter(|pose| Some(*pose) != seen) {
+            let age = Duration::try_from_secs_f64(request.sent - pose.taken).unwrap_or_default();
+            self.shown.pose_taken = now.checked_sub(age);
         }
         let horizon = self.clock.horizon(&output.horizon);
         let progress = self.controller.progress();
@@ -340,6 +350,7 @@ impl Pilot {
     fn show(&mut self) {
         let shown = &mut self.shown;
         shown.progress = self.controller.progress();
+        shown.watch(self.controller.watch_state());
         shown.stopped = self.controller.is_stopped();
         shown.epoch = self.session.epoch();
         // A takeover forgets the pose with the clock; the last one known stays on show.
@@ -359,6 +370,24 @@ impl Pilot {
         What::Asked(Box::new(move || {
             Kind::Environment(Box::new(described.environment(&belief.environment())))
         }))
+    }
+}
+
+/// Says in the log what the watch finds.
+fn warn(robot: &RobotId, event: &controller::Event) {
+    match event {
+        controller::Event::Found { alarm, rests } => {
+            let (state, seen, remedy) = (alarm.condition().name(), alarm.seen(), alarm.remedy());
+            if *rests {
+                tracing::warn!(%robot, state, seen, remedy, "the watch brings the robot to rest");
+            } else {
+                tracing::warn!(%robot, state, seen, remedy, "the watch has a remark");
+            }
+        }
+        controller::Event::Over(alarm) => {
+            tracing::info!(%robot, state = alarm.condition().name(), "over, the robot goes on");
+        }
+        _ => {}
     }
 }
 
@@ -409,6 +438,10 @@ fn kind(event: &controller::Event, progress: &Progress, clock: RobotClock) -> Ki
         controller::Event::PosesBelievedAgain => Kind::PoseBelievedAgain,
         controller::Event::CalibrationEnded => Kind::CalibrationEnded,
         controller::Event::WaypointReached { leg } => Kind::WaypointReached { leg },
+        controller::Event::Found { alarm, rests } => {
+            Kind::Watch(umwelt_api::watch::Watch::new(&alarm, rests, Some(0.0)))
+        }
+        controller::Event::Over(alarm) => Kind::WatchOver { state: alarm.condition().into() },
         controller::Event::Arrived => {
             Kind::Arrived { elapsed_s: progress.elapsed, max_deviation_m: progress.max_deviation }
         }

@@ -11,11 +11,13 @@ use umwelt_api::environment::{self, Environment};
 use umwelt_api::prior::Source;
 use umwelt_api::robot::{Pose, Robot, Spec, State};
 use umwelt_api::task;
+use umwelt_api::watch::Watch;
 use umwelt_core::controller::settings::Settings;
 use umwelt_core::controller::task::{Progress, Task};
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::identification::estimate;
+use umwelt_core::watch::Alarm;
 
 /// A robot's settings with their version.
 #[derive(Clone, Debug)]
@@ -67,6 +69,10 @@ pub(crate) struct Snapshot {
     pub(super) seen: Option<Instant>,
     pub(super) stopped: bool,
     pub(super) pose: Option<Observation>,
+    /// When that pose was taken, by the time of the request that brought it.
+    pub(super) pose_taken: Option<Instant>,
+    /// What the watch finds, whether the robot rests for it, and since when.
+    watch: Option<(Alarm, bool, Option<Instant>)>,
     pub(super) epoch: Option<u64>,
     /// What outlives a restart. Estimates are made from it by those who want to see them, not at every step.
     pub(super) saved: Saved,
@@ -93,6 +99,9 @@ impl Snapshot {
             seen: None,
             stopped: controller.is_stopped(),
             pose: controller.pose(),
+            pose_taken: None,
+            // Since when is not known: it was found before this server started.
+            watch: controller.watch_state().map(|(alarm, rests)| (alarm, rests, None)),
             epoch: None,
             saved: controller.saved(),
             revision,
@@ -125,6 +134,16 @@ impl Snapshot {
     pub(super) fn without_task(&self) -> Self {
         let state = if self.state == State::Connected { State::Lost } else { self.state };
         Self { state, ..self.clone() }
+    }
+
+    /// Shows what the watch finds.
+    pub(super) fn watch(&mut self, found: Option<(Alarm, bool)>) {
+        self.watch = found.map(|(alarm, rests)| {
+            let before = self.watch.filter(|(known, known_rests, _)| {
+                (known.condition(), *known_rests) == (alarm.condition(), rests)
+            });
+            (alarm, rests, before.map_or_else(|| Some(Instant::now()), |(_, _, since)| since))
+        });
     }
 
     /// Version of what was said about the robot.
@@ -208,6 +227,11 @@ impl Snapshot {
             last_seen_s_ago: self.seen.map(|seen| now.duration_since(seen).as_secs_f64()),
             stopped: self.stopped,
             pose: self.pose.map(Pose::from),
+            pose_age_s: self.pose_taken.map(|taken| now.duration_since(taken).as_secs_f64()),
+            watch: self.watch.map(|(alarm, rests, since)| {
+                let ago = since.map(|since| now.duration_since(since).as_secs_f64());
+                Watch::new(&alarm, rests, ago)
+            }),
             task: self.assigned.is_some().then(|| self.progress.into()),
             epoch: self.epoch,
             loop_delay_median_s: self.saved.belief().link.estimate().median,
