@@ -88,6 +88,10 @@ pub enum Kind {
     Stopped,
     /// The robot was told to go on.
     Resumed,
+    /// The robot itself holds: it rests until it says otherwise.
+    Held,
+    /// The robot itself no longer holds: it goes on.
+    Released,
     /// The server has forgotten events between `Last-Event-ID` and the next one.
     Missed,
     /// Something of a later version.
@@ -114,6 +118,8 @@ impl Kind {
             Self::Arrived { .. } => "arrived",
             Self::Stopped => "stopped",
             Self::Resumed => "resumed",
+            Self::Held => "held",
+            Self::Released => "released",
             Self::Missed => "missed",
             Self::Other => "other",
         }

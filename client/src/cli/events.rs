@@ -31,6 +31,8 @@ const KINDS: &[&str] = &[
     "arrived",
     "stopped",
     "resumed",
+    "held",
+    "released",
     "missed",
 ];
 
@@ -155,6 +157,8 @@ fn details(kind: &Kind) -> String {
         | Kind::CalibrationEnded
         | Kind::Stopped
         | Kind::Resumed
+        | Kind::Held
+        | Kind::Released
         | Kind::Other => String::new(),
     }
 }
@@ -203,6 +207,8 @@ mod tests {
             "calibration_ended",
             "stopped",
             "resumed",
+            "held",
+            "released",
             "missed",
         ];
         for name in simple {
@@ -210,6 +216,6 @@ mod tests {
             assert_eq!(event.kind.name(), name);
         }
         assert!(simple.iter().all(|name| KINDS.contains(name)));
-        assert_eq!(KINDS.len(), 16);
+        assert_eq!(KINDS.len(), 18);
     }
 }

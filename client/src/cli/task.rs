@@ -252,7 +252,8 @@ async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> 
 
 /// What is worth a line of its own in a log.
 fn substance(robot: &Robot, task: &Task) -> String {
-    format!("{:?} {} {}", robot.state, robot.stopped, quantity::short_progress(&task.progress))
+    let progress = quantity::short_progress(&task.progress);
+    format!("{:?} {} {} {progress}", robot.state, robot.stopped, robot.held)
 }
 
 /// How a robot gets on, and what it waits for.
@@ -261,6 +262,9 @@ fn status(robot: &Robot, task: &Task) -> String {
     let id = &robot.robot;
     if robot.stopped {
         return format!("{id}: stopped until resumed (umwelt resume {id}); {progress}");
+    }
+    if robot.held && robot.state == State::Connected {
+        return format!("{id}: held by the robot itself, goes on when it lets go; {progress}");
     }
     match robot.state {
         State::Connected => format!("{id}: {progress}"),

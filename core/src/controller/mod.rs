@@ -4,6 +4,7 @@
 //! state can be stored and restored; the same state and requests give the same horizons.
 
 pub mod compensation;
+mod heard;
 mod plan;
 mod record;
 mod saved;
@@ -18,9 +19,11 @@ use crate::horizon::{Horizon, MAX_WATCHDOG, SLOT};
 use crate::identification::estimate::Environment;
 use crate::identification::{Belief, Verdict, Window};
 use crate::kinematics;
+use crate::local::LocalLimits;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use arrayvec::ArrayVec;
 use compensation::{Compensation, Identified};
+use heard::{Change, Heard};
 use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
 pub use saved::Saved;
@@ -121,6 +124,9 @@ pub struct Controller<C = Identified> {
     phases: Phases,
     record: Record,
     stopped: bool,
+    /// What the robot itself allows.
+    #[serde(default)]
+    heard: Heard,
 }
 
 impl Controller {
@@ -146,6 +152,7 @@ impl<C: Compensation> Controller<C> {
             phases: Phases::new(),
             record: Record::default(),
             stopped: false,
+            heard: Heard::default(),
         }
     }
 
@@ -164,6 +171,7 @@ impl<C: Compensation> Controller<C> {
     /// [`Controller::step`] without copies of what is large: the horizon stays where it is remembered.
     pub fn answer(&mut self, request: &Request, events: &mut Events) -> &Horizon {
         self.learn(request);
+        self.heed(request);
         for observation in &request.observations {
             self.observe(*observation, events);
         }
@@ -193,6 +201,20 @@ impl<C: Compensation> Controller<C> {
         }
         if let Some(playing) = request.playing {
             self.commands.report(playing, request.sent);
+        }
+    }
+
+    /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn
+    /// toward its waypoint; nothing is learned from what it did meanwhile ([`Heard::was_away`]).
+    fn heed(&mut self, request: &Request) {
+        let Settings { drive, attribution, .. } = self.settings;
+        let change = self.heard.take(request, &drive);
+        if change == Change::Rests {
+            self.commands.interrupt(request.sequence, attribution, &drive, request.sent);
+        }
+        if change != Change::None {
+            self.phase = self.phase.resumed();
+            self.phases.clear();
         }
     }
 
@@ -278,6 +300,9 @@ impl<C: Compensation> Controller<C> {
     fn close(&mut self, window: Window, track: &Track, end: &Observation) -> Window {
         let Settings { drive, noise, attribution, .. } = self.settings;
         let start = window.start.taken;
+        if self.heard.was_away(start, end.taken) {
+            return Window::new(*end);
+        }
         if end.taken - track.last.taken > MAX_GAP {
             return Window::new(*end);
         }
@@ -354,13 +379,17 @@ impl<C: Compensation> Controller<C> {
             previous: kinematics::forward(&drive, before),
             phase: self.phase,
             fresh: age <= loop_delay + FRESH,
-            stopped: self.stopped || begins - taken > self.compensation.patience(&self.settings),
+            stopped: self.stopped
+                || self.heard.is_held()
+                || begins - taken > self.compensation.patience(&self.settings),
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
         let task = self.task.as_ref();
-        let rules = plan::Rules { settings: &self.settings, compensation: &self.compensation };
+        let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.settings });
+        let settings = slowed.as_ref().unwrap_or(&self.settings);
+        let rules = plan::Rules { settings, compensation: &self.compensation };
         plan::plan(rules, &model, task, start, prediction, speeds, phases);
         horizon
     }
@@ -458,6 +487,16 @@ impl<C: Compensation> Controller<C> {
         self.stopped
     }
 
+    /// Whether the robot itself holds: it rests whatever it is told.
+    pub fn is_held(&self) -> bool {
+        self.heard.is_held()
+    }
+
+    /// What the robot itself allows, as it said last.
+    pub fn local_limits(&self) -> LocalLimits {
+        self.heard.limits()
+    }
+
     /// The robot's clock counts anew (a new epoch): times are forgotten, what was learned and the task stay.
     pub fn restart_clock(&mut self) {
         self.commands.clear();
@@ -467,6 +506,7 @@ impl<C: Compensation> Controller<C> {
         self.phases.clear();
         self.phase = self.phase.resumed();
         self.record.restart_clock();
+        self.heard = Heard::default();
     }
 
     /// Back to the prior.

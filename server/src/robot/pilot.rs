@@ -240,7 +240,12 @@ impl Pilot {
     /// A new horizon, and what happened on the way to it.
     fn control(&mut self, request: &Request, now: Instant) -> Horizon {
         let (before, seen) = (self.controller.progress(), self.controller.pose());
+        let was_held = self.controller.is_held();
         let output = self.controller.step(request);
+        let is_held = self.controller.is_held();
+        if is_held != was_held {
+            self.publish(if is_held { Kind::Held } else { Kind::Released });
+        }
         self.shown.drained |= self.draining;
         for event in output.events {
             self.publish(kind(&event, &self.controller.progress()));
@@ -317,6 +322,8 @@ impl Pilot {
         let shown = &mut self.shown;
         shown.progress = self.controller.progress();
         shown.stopped = self.controller.is_stopped();
+        shown.limits = self.controller.local_limits();
+        shown.held = self.controller.is_held();
         shown.epoch = self.session.epoch();
         // A takeover forgets the pose with the clock; the last one known stays on show.
         shown.pose = self.controller.pose().or(shown.pose);

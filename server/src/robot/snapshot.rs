@@ -15,6 +15,7 @@ use umwelt_core::controller::task::{Progress, Task};
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::identification::estimate;
+use umwelt_core::local::LocalLimits;
 
 /// A robot's settings with their version.
 #[derive(Clone, Debug)]
@@ -65,6 +66,9 @@ pub(crate) struct Snapshot {
     /// When the last step came.
     pub(super) seen: Option<Instant>,
     pub(super) stopped: bool,
+    /// What the robot itself allows, and whether that is nothing.
+    pub(super) limits: LocalLimits,
+    pub(super) held: bool,
     pub(super) pose: Option<Observation>,
     pub(super) epoch: Option<u64>,
     /// What outlives a restart. Estimates are made from it by those who want to see them, not at every step.
@@ -91,6 +95,8 @@ impl Snapshot {
             state: State::Never,
             seen: None,
             stopped: controller.is_stopped(),
+            limits: controller.local_limits(),
+            held: controller.is_held(),
             pose: controller.pose(),
             epoch: None,
             saved: controller.saved(),
@@ -176,6 +182,8 @@ impl Snapshot {
             state: self.state,
             last_seen_s_ago: self.seen.map(|seen| now.duration_since(seen).as_secs_f64()),
             stopped: self.stopped,
+            held: self.held,
+            max_speed_m_per_s: self.limits.max_speed,
             pose: self.pose.map(Pose::from),
             task: self.assigned.is_some().then(|| self.progress.into()),
             epoch: self.epoch,
