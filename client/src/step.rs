@@ -109,6 +109,8 @@ mod tests {
             observations: Vec::new(),
             deliveries: Vec::new(),
             playing: None,
+            hold: false,
+            max_speed_m_per_s: None,
         }
     }
 

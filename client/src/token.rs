@@ -90,6 +90,8 @@ mod tests {
                 observations: Vec::new(),
                 deliveries: Vec::new(),
                 playing: None,
+                hold: false,
+                max_speed_m_per_s: None,
             };
             assert!(client.stop_all().await.is_err());
             assert!(client.get_robot(&robot).await.is_err());

@@ -4,7 +4,7 @@ use crate::actuation::Playing;
 use crate::controller::settings::Attribution;
 use crate::geometry::WheelSpeeds;
 use crate::geometry::elementary::least;
-use crate::horizon::{Horizon, MAX_SLOTS, SLOT};
+use crate::horizon::{Horizon, MAX_SLOTS, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -103,6 +103,16 @@ impl Commands {
         (horizon.start, horizon.slot, horizon.watchdog) = (start, slot, watchdog);
         horizon.speeds.clear();
         horizon
+    }
+
+    /// The robot rests on its own from `time` on: it ramps down from what is in force, and what was sent to begin later
+    /// never does. `sequence` is that of the request that says so.
+    pub fn interrupt(&mut self, sequence: u64, attribution: Attribution, drive: &Drive, time: f64) {
+        let last = self.at(attribution, drive, time);
+        for horizon in &mut self.sent.places {
+            horizon.start = least(horizon.start, time);
+        }
+        self.begin(sequence, time, RAMP_STEP, RAMP_STEP).speeds.push(last);
     }
 
     /// Takes in the robot's report at time `reported` of what it plays.
@@ -344,6 +354,19 @@ mod tests {
         assert!(commands.is_known(&drive, 0.05, 0.29));
         assert!(!commands.is_known(&drive, 0.05, 0.31), "nothing is known past the last report");
         assert!(!commands.is_known(&drive, -0.1, 0.2), "nor before the first");
+    }
+
+    #[test]
+    fn a_robot_that_rests_on_its_own_ramps_down_and_plays_nothing_later() {
+        let (mut commands, drive) = (three(), Drive::default());
+        for attribution in [Attribution::Sent, Attribution::Played] {
+            commands.interrupt(4, attribution, &drive, 0.15);
+            let at = |time| commands.at(attribution, &drive, time).left;
+            assert_eq!([at(0.05), at(0.12), at(0.16)], [1.0, 1.2, 1.2]);
+            // 0.036 m/s take 0.12 s
+            assert!((0.1..1.1).contains(&at(0.21)), "{}", at(0.21));
+            assert_eq!([at(0.31), at(1.0)], [0.0, 0.0]);
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::actuation::Playing;
 use crate::geometry::Pose;
 use crate::geometry::elementary::most;
 use crate::horizon::SLOT;
+use crate::local::LocalLimits;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
@@ -80,6 +81,9 @@ pub struct Request {
     pub deliveries: ArrayVec<Delivery, MAX_DELIVERIES>,
     /// What the robot plays now.
     pub playing: Option<Playing>,
+    /// What the robot itself allows; a hold also where it is over again since the last request.
+    #[serde(default)]
+    pub limits: LocalLimits,
 }
 
 impl Request {
@@ -91,6 +95,7 @@ impl Request {
         observations: ArrayVec::new_const(),
         deliveries: ArrayVec::new_const(),
         playing: None,
+        limits: LocalLimits::NONE,
     };
 }
 
@@ -115,6 +120,9 @@ pub struct Exchange {
     newest_taken: f64,
     observations: ArrayVec<Observation, MAX_OBSERVATIONS>,
     deliveries: ArrayVec<Delivery, MAX_DELIVERIES>,
+    limits: LocalLimits,
+    /// Whether there was a hold since the last request.
+    was_held: bool,
     in_flight: ArrayVec<InFlight, { MAX_IN_FLIGHT * MAX_CONNECTIONS }>,
 }
 
@@ -130,6 +138,8 @@ impl Exchange {
             newest_taken: f64::NEG_INFINITY,
             observations: ArrayVec::new(),
             deliveries: ArrayVec::new(),
+            limits: LocalLimits::NONE,
+            was_held: false,
             in_flight: ArrayVec::new(),
         }
     }
@@ -145,6 +155,12 @@ impl Exchange {
         }
         self.observations.push(observation);
         true
+    }
+
+    /// The robot itself allows this from now on.
+    pub fn restrain(&mut self, limits: LocalLimits) {
+        self.limits = limits;
+        self.was_held |= limits.hold;
     }
 
     /// Robot time in s at which the next request is due, given what is in flight and observed:
@@ -215,6 +231,8 @@ impl Exchange {
         self.in_flight.push(InFlight { sequence, connection: self.connection, sent: now, taken });
         (request.sequence, request.connection) = (sequence, self.connection);
         (request.sent, request.playing) = (now, playing);
+        request.limits = LocalLimits { hold: self.was_held, ..self.limits };
+        self.was_held = self.limits.hold;
         request.observations.clone_from(&self.observations);
         request.deliveries.clone_from(&self.deliveries);
         self.observations.clear();

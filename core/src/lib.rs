@@ -22,6 +22,7 @@ pub mod horizon;
 pub mod identification;
 pub mod kinematics;
 pub mod link;
+pub mod local;
 pub mod peers;
 pub mod plant;
 pub mod prediction;

@@ -96,6 +96,10 @@ pub enum Kind {
         /// What it was.
         state: watch::State,
     },
+    /// The robot itself holds: it rests until it says otherwise.
+    Held,
+    /// The robot itself no longer holds: it goes on.
+    Released,
     /// The server has forgotten events between `Last-Event-ID` and the next one.
     Missed,
     /// Something of a later version.
@@ -124,6 +128,8 @@ impl Kind {
             Self::Resumed => "resumed",
             Self::Watch(_) => "watch",
             Self::WatchOver { .. } => "watch_over",
+            Self::Held => "held",
+            Self::Released => "released",
             Self::Missed => "missed",
             Self::Other => "other",
         }

@@ -60,6 +60,12 @@ pub struct Robot {
     pub last_seen_s_ago: Option<f64>,
     /// Whether it is told to rest until it is resumed.
     pub stopped: bool,
+    /// Whether the robot itself holds: a bumper, a lidar field, an e-stop button. It goes on by itself.
+    #[serde(default)]
+    pub held: bool,
+    /// Largest speed that the robot itself allows for now; null for that of its drive.
+    #[serde(default)]
+    pub max_speed_m_per_s: Option<f64>,
     /// The last accepted pose; null before the first.
     pub pose: Option<Pose>,
     /// Age of that pose; it grows while no other is accepted. Null before the first.

@@ -17,6 +17,7 @@ use umwelt_core::controller::task as core_task;
 use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
+use umwelt_core::local::LocalLimits;
 use umwelt_core::watch::Condition;
 
 proptest! {
@@ -175,9 +176,25 @@ fn the_largest_bodies_fit() {
         observations: [observation; 32].into(),
         deliveries: [Delivery { sequence: MAX, loop_delay: 86_399.012_345_678 }; 16].into(),
         playing: Some(Playing { horizon: MAX, since: sent }),
+        limits: LocalLimits { hold: true, max_speed: Some(0.123_456_789_012_345_6) },
     };
     let size = serde_json::to_vec(&step::Request::from_core(&request, MAX)).unwrap().len();
     assert!(8 * size < step::MAX_BODY, "{size}");
+}
+
+/// A server of before takes the request of a robot that allows everything: it refuses fields that it does not know.
+#[test]
+fn a_robot_that_allows_everything_says_nothing_of_it() {
+    let request = Request { sequence: 1, sent: 1.0, ..Request::EMPTY };
+    let said = serde_json::to_value(step::Request::from_core(&request, 1)).unwrap();
+    assert_eq!((said.get("hold"), said.get("max_speed_m_per_s")), (None, None));
+    let held =
+        json!({"sequence": 1, "epoch": 1, "sent_s": 1.0, "hold": true, "max_speed_m_per_s": null});
+    let held = step::Request::read(held.to_string().as_bytes()).unwrap().to_core().unwrap();
+    assert_eq!(held.limits, LocalLimits { hold: true, max_speed: None });
+    let wrong = json!({"sequence": 1, "epoch": 1, "sent_s": 1.0, "max_speed_m_per_s": -0.1});
+    let found = problems(step::Request::read(wrong.to_string().as_bytes()));
+    assert_eq!(found, pairs(&[(reason::OUT_OF_RANGE, "max_speed_m_per_s")]));
 }
 
 #[test]

@@ -8,12 +8,13 @@ use crate::body;
 use crate::check::{Check, Checked, Range};
 use crate::number;
 use crate::problem::Problems;
-use crate::robot::MAX_INTEGER;
+use crate::robot::{LINEAR_SPEED, MAX_INTEGER};
 use crate::task::COORDINATE;
 use serde::{Deserialize, Serialize};
 use umwelt_core::actuation;
 use umwelt_core::exchange::{self, MAX_DELIVERIES, MAX_OBSERVATIONS};
 use umwelt_core::geometry;
+use umwelt_core::local::LocalLimits;
 use utoipa::ToSchema;
 
 /// Largest body of a step in bytes; a full one has 6 KiB.
@@ -22,6 +23,8 @@ pub const MAX_BODY: usize = 64 * 1024;
 pub const TIME: Range = Range::new(-1e9, 1e9, "s");
 /// Headings may be counted without wrapping; beyond 160 000 turns their fraction gets lost.
 pub const HEADING: Range = Range::new(-1e6, 1e6, "rad");
+/// From a robot that is to rest to the fastest that there is.
+pub const MAX_SPEED: Range = Range::new(0.0, LINEAR_SPEED.max, "m/s");
 /// A reply that comes after a day teaches nothing.
 pub const DELIVERY_DELAY: Range = Range::new(0.0, 86_400.0, "s");
 
@@ -124,6 +127,14 @@ pub struct Request {
     /// What the robot plays now; null before the first horizon begins.
     #[serde(default)]
     pub playing: Option<Playing>,
+    /// Whether the robot itself holds: a bumper, a lidar field, an e-stop button. It rests whatever it is told, plays nothing
+    /// (`playing` is null), and goes on by itself with a horizon that it asked for after the hold.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub hold: bool,
+    /// Largest speed that the robot itself allows for now; null for that of its drive. Less than the smallest speed at which
+    /// its motors turn is a hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_speed_m_per_s: Option<f64>,
 }
 
 impl Checked for Request {
@@ -162,6 +173,9 @@ impl Checked for Request {
                 check.agrees("since_s", since <= self.sent_s, since, "use at most sent_s");
             });
         }
+        if let Some(max_speed) = self.max_speed_m_per_s {
+            check.number("max_speed_m_per_s", max_speed, MAX_SPEED);
+        }
     }
 }
 
@@ -184,6 +198,8 @@ impl Request {
             observations: core.observations.iter().copied().map(Observation::from).collect(),
             deliveries: core.deliveries.iter().copied().map(Delivery::from).collect(),
             playing: core.playing.map(Playing::from),
+            hold: core.limits.hold,
+            max_speed_m_per_s: core.limits.max_speed,
         }
     }
 
@@ -203,6 +219,7 @@ impl Request {
                 horizon: playing.horizon,
                 since: playing.since_s,
             }),
+            limits: LocalLimits { hold: self.hold, max_speed: self.max_speed_m_per_s },
         })
     }
 }

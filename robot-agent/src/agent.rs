@@ -191,6 +191,7 @@ impl<D: Drive> Agent<D> {
         while let Some(observation) = self.drive.observe(now) {
             self.robot.observe(observation);
         }
+        self.robot.restrain(now, self.drive.limits());
         let applied = self.robot.advance(now);
         if let Err(error) = self.drive.apply(now, applied) {
             self.robot.end(Err(error.into()));
@@ -221,6 +222,7 @@ impl<D: Drive> Agent<D> {
                 connected: self.robot.is_connected(),
                 stage: state.stage,
                 stopped: state.stopped,
+                held: self.robot.is_held(),
             });
         }
     }

@@ -1,8 +1,10 @@
 //! `umwelt-agent`: the loop on the robot.
 
+mod log;
 mod options;
 
 use clap::Parser;
+use log::Log;
 use options::{Options, Plan, Which};
 use std::io::Write;
 use std::process::ExitCode;
@@ -18,10 +20,15 @@ const WRONG_CALL: u8 = 2;
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    let log = EnvFilter::try_new(&options.log).map_err(|error| format!("--log: {error}"));
-    let plan = log.and_then(|filter| {
+    let log = match Log::start(std::io::stderr()) {
+        Ok(log) => log,
+        Err(error) => return wrong(&format!("the log cannot be written: {error}")),
+    };
+    let filter = EnvFilter::try_new(&options.log).map_err(|error| format!("--log: {error}"));
+    let plan = filter.and_then(|filter| {
+        let writer = log.clone();
         tracing_subscriber::fmt()
-            .with_writer(|| Visible(std::io::stderr()))
+            .with_writer(move || Visible(writer.clone()))
             // Colours are control characters too.
             .with_ansi(false)
             .with_env_filter(filter)
@@ -29,16 +36,19 @@ fn main() -> ExitCode {
         options.plan()
     });
     match plan {
-        Ok(plan) => drive(plan),
-        Err(error) => {
-            // Nothing is left to be done about a closed standard error.
-            let _ = writeln!(
-                std::io::stderr(),
-                "error: {error}\n\nFor more information, try '--help'."
-            );
-            ExitCode::from(WRONG_CALL)
+        Ok(plan) => {
+            let code = drive(plan);
+            log.finish();
+            code
         }
+        Err(error) => wrong(&error),
     }
+}
+
+fn wrong(error: &str) -> ExitCode {
+    // Nothing is left to be done about a closed standard error.
+    let _ = writeln!(std::io::stderr(), "error: {error}\n\nFor more information, try '--help'.");
+    ExitCode::from(WRONG_CALL)
 }
 
 #[tokio::main(flavor = "current_thread")]

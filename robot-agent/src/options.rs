@@ -34,7 +34,12 @@ Examples:
   or with --output twist:
       {\"t_s\":81.45,\"linear_m_per_s\":0.0375,\"angular_rad_per_s\":0.03}
   Lines that are no poses are reported and skipped. At the end of the poses the robot ramps to rest. The motor
-  driver should stop by itself when it hears nothing for 0.3 s.
+  driver must read every line as it comes and act on the last one, and stop by itself when it hears nothing for 0.3 s.
+  A bumper, a lidar field, an e-stop button: the robot rests at once, or goes no faster, whatever the server says
+      {\"hold\":true}
+      {\"hold\":false}
+      {\"max_speed_m_per_s\":0.05}
+  null lifts the speed. All of it: docs/pipe.md
 
 The robot must be registered with the server first: umwelt robot add rover-7
 It stops by itself, within its acceleration limits, when the server or the link is gone, and goes on when they are

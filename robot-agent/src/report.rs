@@ -26,6 +26,8 @@ pub struct Status {
     pub stage: Option<Stage>,
     /// Whether the server tells the robot to rest until it is resumed.
     pub stopped: bool,
+    /// Whether the robot itself holds.
+    pub held: bool,
 }
 
 /// One moment of a run: at each change of wheel speeds, and at least once per slot.

@@ -20,6 +20,7 @@ use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon::{Horizon, MAX_DURATION, MAX_WATCHDOG, WATCHDOG};
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_core::link::Link;
+use umwelt_core::local::LocalLimits;
 
 /// Time in s without a reply after which the robot counts as disconnected; its motors stop long before.
 const DISCONNECTED: f64 = 1.0;
@@ -42,6 +43,8 @@ pub(crate) struct Robot {
     is_hardware: bool,
     exchange: Exchange,
     actuation: Actuation,
+    /// What the robot itself allows.
+    limits: LocalLimits,
     /// The link to simulate; none where the real one is all there is.
     link: Option<Link>,
     /// Requests on their way to being posted, and answers on their way back, by arrival.
@@ -59,6 +62,7 @@ pub(crate) struct Robot {
     unknown_since: Option<f64>,
     state: State,
     complaint: Throttle,
+    change: Throttle,
 }
 
 /// What is shown of the robot.
@@ -88,6 +92,7 @@ impl Robot {
             is_hardware,
             exchange: Exchange::new(now),
             actuation: Actuation::new(drive, now),
+            limits: LocalLimits::NONE,
             link,
             upward: VecDeque::new(),
             downward: VecDeque::new(),
@@ -100,6 +105,7 @@ impl Robot {
             unknown_since: None,
             state: State::default(),
             complaint: Throttle::default(),
+            change: Throttle::default(),
         }
     }
 
@@ -129,6 +135,35 @@ impl Robot {
         if let Some(arrival) = arrival {
             queue(&mut self.downward, arrival, answer);
         }
+    }
+
+    /// The robot itself allows `limits` from `now` on: it acts at once, and the server hears of it with the next request.
+    pub(crate) fn restrain(&mut self, now: f64, limits: LocalLimits) {
+        if limits == self.limits {
+            return;
+        }
+        let was_held = self.is_held();
+        self.limits = limits;
+        let is_held = self.is_held();
+        // A speed at which no motor turns is a hold for the server too, whatever drive it was told.
+        let limits = LocalLimits { hold: is_held, ..limits };
+        self.actuation.restrain(limits, self.exchange.newest_sequence());
+        self.exchange.restrain(limits);
+        if let Some(unsaid) = self.change.ask(now) {
+            let max_speed = limits.max_speed;
+            match (was_held, is_held) {
+                (false, true) => {
+                    warn!(unsaid, max_speed, "the robot itself holds: ramping to rest")
+                }
+                (true, false) => info!(unsaid, max_speed, "the robot itself no longer holds"),
+                _ => info!(unsaid, max_speed, "the robot itself allows another speed"),
+            }
+        }
+    }
+
+    /// Whether the robot itself holds.
+    pub(crate) fn is_held(&self) -> bool {
+        self.limits.is_hold(&self.drive)
     }
 
     /// Lets happen what is due by `now`: the wheel speeds to apply from now on.
@@ -326,6 +361,7 @@ impl Robot {
         self.epochs_before += 1;
         self.epoch_began = now;
         self.exchange = Exchange::new(now);
+        self.exchange.restrain(LocalLimits { hold: self.is_held(), ..self.limits });
         self.actuation.restart_sequences();
         self.upward.clear();
         self.downward.clear();

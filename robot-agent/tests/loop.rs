@@ -18,6 +18,7 @@ use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
 use umwelt_core::kinematics::{Drive, forward};
 use umwelt_core::link::{LinkModel, Outage, Rtt};
+use umwelt_core::local::LocalLimits;
 use umwelt_core::plant::{PlantModel, Slip};
 
 /// A camera robot on a hard floor with the thesis's task over `link`.
@@ -50,6 +51,16 @@ struct Run {
 
 impl Run {
     fn start(scenario: &Scenario, server: &Arc<Server>, seed: u64) -> Self {
+        // As it is, for ever: whoever could change it is gone.
+        Self::start_with(scenario, server, seed, watch::channel(LocalLimits::NONE).1)
+    }
+
+    fn start_with(
+        scenario: &Scenario,
+        server: &Arc<Server>,
+        seed: u64,
+        limits: watch::Receiver<LocalLimits>,
+    ) -> Self {
         let (sender, status) = watch::channel(Status::default());
         let (end, ended) = tokio::sync::oneshot::channel::<()>();
         let (rows, max_deviation) = (Arc::default(), Arc::new(Mutex::new(0.0_f64)));
@@ -76,7 +87,8 @@ impl Run {
         };
         let sim = Sim::new(scenario.plant, scenario.start, seed)
             .unwrap()
-            .with_sensor_delay(scenario.link.sensor_delay);
+            .with_sensor_delay(scenario.link.sensor_delay)
+            .with_limits(limits);
         let shutdown = async move {
             // A sender that is dropped does not end the run.
             if ended.await.is_err() {
@@ -223,6 +235,38 @@ async fn its_time_over_it_ramps_to_rest() {
     assert_eq!(report.ended, Ended::Duration);
     assert!(report.time >= 4.0 && report.time < 5.0);
     assert_within_limits(&run.rows.lock().unwrap());
+}
+
+/// It rests at once and within its limits, through a new epoch, a server that is gone and one that is back; let go, it
+/// goes on by itself.
+#[tokio::test(start_paused = true)]
+async fn a_robot_that_holds_rests_whatever_happens_and_goes_on_by_itself() {
+    let scenario = scenario(normal());
+    let server = Server::new(&scenario);
+    let (limits, bumper) = watch::channel(LocalLimits::NONE);
+    let mut run = Run::start_with(&scenario, &server, 1, bumper);
+    run.until(moves).await;
+    limits.send_replace(LocalLimits { hold: true, max_speed: None });
+    let stopping = Drive::default().stopping_time(Twist::new(0.13, 1.25));
+    tokio::time::sleep(Duration::from_secs_f64(stopping + SLOT)).await;
+    let held = *run.status.borrow();
+    assert!(held.held && held.applied == WheelSpeeds::ZERO, "{held:?}");
+    assert!(server.is_held());
+    server.ask_for_a_new_epoch();
+    tokio::time::sleep(Duration::from_secs(3)).await;
+    assert!(server.is_held() && server.epochs() == 2);
+    server.go();
+    tokio::time::sleep(Duration::from_secs(5)).await;
+    server.come_back();
+    tokio::time::sleep(Duration::from_secs(3)).await;
+    let resting = *run.status.borrow();
+    assert!(server.is_held() && resting.connected);
+    assert_eq!(resting.pose, held.pose);
+    limits.send_replace(LocalLimits::NONE);
+    run.until(arrived).await;
+    assert!(!server.is_held());
+    let (_, rows) = run.end().await;
+    assert_within_limits(&rows);
 }
 
 #[tokio::test(start_paused = true)]

@@ -33,6 +33,8 @@ pub fn request(epoch: u64, sequence: u64, sent: f64) -> Request {
         observations: vec![Observation { x_m: 0.0, y_m: 0.0, heading_rad: 0.0, taken_s }],
         deliveries: Vec::new(),
         playing: None,
+        hold: false,
+        max_speed_m_per_s: None,
     }
 }
 

@@ -33,6 +33,8 @@ const KINDS: &[&str] = &[
     "resumed",
     "watch",
     "watch_over",
+    "held",
+    "released",
     "missed",
 ];
 
@@ -159,6 +161,8 @@ fn details(kind: &Kind) -> String {
         | Kind::CalibrationEnded
         | Kind::Stopped
         | Kind::Resumed
+        | Kind::Held
+        | Kind::Released
         | Kind::Other => String::new(),
     }
 }
@@ -207,6 +211,8 @@ mod tests {
             "calibration_ended",
             "stopped",
             "resumed",
+            "held",
+            "released",
             "missed",
         ];
         for name in simple {

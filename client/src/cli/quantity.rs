@@ -63,6 +63,9 @@ pub(super) fn presence(robot: &Robot) -> String {
     if robot.stopped {
         text.push_str(", stopped");
     }
+    if robot.held {
+        text.push_str(", held by the robot itself");
+    }
     text
 }
 

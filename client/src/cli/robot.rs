@@ -222,11 +222,12 @@ fn list(page: &Page) -> String {
     ]);
     for robot in &page.robots {
         let stopped = if robot.stopped { ", stopped" } else { "" };
+        let held = if robot.held { ", held" } else { "" };
         let watch = robot.watch.as_ref();
         let watch = watch.map_or_else(String::new, |watch| format!(", {}", watch.state.name()));
         table.row([
             robot.robot.to_string(),
-            format!("{}{stopped}{watch}", quantity::state(robot.state)),
+            format!("{}{stopped}{held}{watch}", quantity::state(robot.state)),
             or_unknown(robot.last_seen_s_ago, |s| format!("{} ago", quantity::span(s))),
             or_unknown(robot.task.as_ref(), quantity::short_progress),
             or_unknown(robot.pose, |pose| metres(pose.x_m)),
@@ -255,6 +256,12 @@ fn show(robot: &Robot) -> String {
         (
             "loop delay",
             or_unknown(robot.loop_delay_median_s, |s| format!("{} (median)", milliseconds(s))),
+        ),
+        (
+            "max speed",
+            or_unknown(robot.max_speed_m_per_s, |max| {
+                format!("{max:.3} m/s, as the robot itself allows")
+            }),
         ),
         ("epoch", or_unknown(robot.epoch, |epoch| epoch.to_string())),
         ("etag", robot.etag.clone()),
@@ -310,6 +317,8 @@ mod tests {
             state,
             last_seen_s_ago: None,
             stopped: false,
+            held: false,
+            max_speed_m_per_s: None,
             pose: None,
             pose_age_s: None,
             watch: None,
@@ -375,6 +384,17 @@ ROBOT    STATE               SEEN  TASK               X         Y     HEADING  L
 a        never seen             -  -                  -         -           -                  -           -
 rover-7  lost, stopped  5 min ago  driving 2/2  0.200 m  -0.041 m  -1.571 rad             4.1 mm      212 ms
 ");
+    }
+
+    #[test]
+    fn a_robot_that_holds_shows() {
+        let held =
+            Robot { held: true, max_speed_m_per_s: Some(0.05), ..robot("a", State::Connected) };
+        let text = show(&held);
+        assert!(text.starts_with("a: connected, held by the robot itself\n"), "{text}");
+        assert!(text.contains("\n  max speed   0.050 m/s, as the robot itself allows\n"), "{text}");
+        let page = Page { robots: vec![held], next_page_token: None };
+        assert!(list(&page).contains("connected, held"), "{}", list(&page));
     }
 
     #[test]

@@ -288,9 +288,9 @@ async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> 
 
 /// What is worth a line of its own in a log.
 fn substance(robot: &Robot, task: &Task) -> String {
-    let Robot { state, stopped, watch, .. } = robot;
+    let Robot { state, stopped, held, watch, .. } = robot;
     let watch = watch.as_ref().map_or("", |watch| watch.state.name());
-    format!("{state:?} {stopped} {watch} {}", quantity::short_progress(&task.progress))
+    format!("{state:?} {stopped} {held} {watch} {}", quantity::short_progress(&task.progress))
 }
 
 /// How a robot gets on, and what it waits for.
@@ -299,6 +299,9 @@ fn status(robot: &Robot, task: &Task) -> String {
     let id = &robot.robot;
     if robot.stopped {
         return format!("{id}: stopped until resumed (umwelt resume {id}); {progress}");
+    }
+    if robot.held && robot.state == State::Connected {
+        return format!("{id}: held by the robot itself, goes on when it lets go; {progress}");
     }
     match robot.state {
         State::Connected => match &robot.watch {

@@ -4,6 +4,7 @@
 //! state can be stored and restored; the same state and requests give the same horizons.
 
 pub mod compensation;
+mod heard;
 mod news;
 mod plan;
 mod record;
@@ -20,10 +21,12 @@ use crate::horizon::{Horizon, MAX_WATCHDOG, SLOT};
 use crate::identification::estimate::Environment;
 use crate::identification::{Belief, ChannelBelief, Verdict, Window};
 use crate::kinematics;
+use crate::local::LocalLimits;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use crate::watch::{Alarm, Watch};
 use arrayvec::ArrayVec;
 use compensation::{Compensation, Identified};
+use heard::{Change, Heard};
 pub use news::GROWTH;
 use plan::{Phase, Phases, REST_SLOTS, Start};
 use record::Record;
@@ -139,6 +142,9 @@ pub struct Controller<C = Identified> {
     healthy: Option<[ChannelBelief; 4]>,
     /// What limits the speed at the start of the newest horizon.
     limit: Option<Limit>,
+    /// What the robot itself allows.
+    #[serde(default)]
+    heard: Heard,
 }
 
 impl Controller {
@@ -167,6 +173,7 @@ impl<C: Compensation> Controller<C> {
             watch: Watch::default(),
             healthy: None,
             limit: None,
+            heard: Heard::default(),
         }
     }
 
@@ -185,6 +192,7 @@ impl<C: Compensation> Controller<C> {
     /// [`Controller::step`] without copies of what is large: the horizon stays where it is remembered.
     pub fn answer(&mut self, request: &Request, events: &mut Events) -> &Horizon {
         self.learn(request);
+        self.heed(request);
         for observation in &request.observations {
             self.observe(*observation, events);
         }
@@ -215,6 +223,23 @@ impl<C: Compensation> Controller<C> {
         }
         if let Some(playing) = request.playing {
             self.commands.report(playing, request.sent);
+        }
+    }
+
+    /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn
+    /// toward its waypoint; nothing is learned from what it did meanwhile ([`Heard::was_away`]).
+    fn heed(&mut self, request: &Request) {
+        let Settings { drive, attribution, .. } = self.settings;
+        let change = self.heard.take(request, &drive);
+        if change == Change::Rests {
+            self.commands.interrupt(request.sequence, attribution, &drive, request.sent);
+        }
+        if change != Change::None {
+            self.phase = self.phase.resumed();
+            self.phases.clear();
+        }
+        if self.heard.was_away(request.sent, f64::INFINITY) {
+            self.pause_watch();
         }
     }
 
@@ -309,6 +334,9 @@ impl<C: Compensation> Controller<C> {
     fn close(&mut self, window: Window, track: &Track, end: &Observation) -> Window {
         let Settings { drive, noise, attribution, .. } = self.settings;
         let start = window.start.taken;
+        if self.heard.was_away(start, end.taken) {
+            return Window::new(*end);
+        }
         if end.taken - track.last.taken > MAX_GAP {
             return Window::new(*end);
         }
@@ -387,19 +415,25 @@ impl<C: Compensation> Controller<C> {
             fresh: age <= loop_delay + FRESH,
             stopped: self.stopped
                 || self.watch.rests()
+                || self.heard.is_held()
                 || begins - taken > self.compensation.patience(&self.settings),
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
         let task = self.task.as_ref();
-        let rules = plan::Rules {
-            settings: &self.settings,
-            compensation: &self.compensation,
-            floors: self.watch.floors(),
-        };
+        let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.settings });
+        let settings = slowed.as_ref().unwrap_or(&self.settings);
+        let compensation = &self.compensation;
+        let rules = plan::Rules { settings, compensation, floors: self.watch.floors() };
         let limit = plan::plan(rules, &model, task, start, prediction, speeds, phases);
-        self.limit = if self.watch.rests() { Some(Limit::Watch) } else { limit };
+        self.limit = if self.watch.rests() {
+            Some(Limit::Watch)
+        } else if self.heard.is_held() || (slowed.is_some() && limit == Some(Limit::Drive)) {
+            Some(Limit::Hold)
+        } else {
+            limit
+        };
         horizon
     }
 
@@ -499,6 +533,16 @@ impl<C: Compensation> Controller<C> {
         self.stopped
     }
 
+    /// Whether the robot itself holds: it rests whatever it is told.
+    pub fn is_held(&self) -> bool {
+        self.heard.is_held()
+    }
+
+    /// What the robot itself allows, as it said last.
+    pub fn local_limits(&self) -> LocalLimits {
+        self.heard.limits()
+    }
+
     /// The robot's clock counts anew (a new epoch): times are forgotten, what was learned and the task stay.
     pub fn restart_clock(&mut self) {
         self.commands.clear();
@@ -510,6 +554,7 @@ impl<C: Compensation> Controller<C> {
         self.record.restart_clock();
         self.watch.restart_clock();
         self.healthy = None;
+        self.heard = Heard::default();
     }
 
     /// Back to the prior.

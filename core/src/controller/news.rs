@@ -63,14 +63,8 @@ mod tests {
     fn deliver(controller: &mut Controller, from: u64, to: u64) {
         for sequence in from..to {
             let delivery = Delivery { sequence, loop_delay: 0.1 };
-            controller.late(&Request {
-                sequence,
-                connection: 0,
-                sent: 1.0,
-                observations: Default::default(),
-                deliveries: std::iter::once(delivery).collect(),
-                playing: None,
-            });
+            let deliveries = std::iter::once(delivery).collect();
+            controller.late(&Request { sequence, sent: 1.0, deliveries, ..Request::EMPTY });
         }
     }
 

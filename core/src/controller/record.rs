@@ -96,11 +96,6 @@ impl Record {
         None
     }
 
-    /// Waypoints at which the robot was seen at rest.
-    pub fn reached(&self) -> usize {
-        self.reached
-    }
-
     /// Distance in m of the last accepted pose from the leg, once the task has begun.
     pub fn deviation(&self) -> Option<f64> {
         self.began.map(|_| self.deviation)

@@ -14,6 +14,7 @@ fn request(sequence: u64, sent: f64, poses: &[(f64, Pose)]) -> Request {
         observations: poses.iter().map(|&(taken, pose)| Observation { pose, taken }).collect(),
         deliveries: ArrayVec::new(),
         playing: None,
+        limits: LocalLimits::NONE,
     }
 }
 

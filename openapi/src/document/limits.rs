@@ -37,6 +37,8 @@ pub(super) fn apply(schemas: &mut Schemas) {
             observations: vec![observation],
             deliveries: vec![step::Delivery { sequence: 0, loop_delay_s: 0.0 }],
             playing: Some(step::Playing { horizon: 0, since_s: 0.0 }),
+            hold: false,
+            max_speed_m_per_s: Some(0.0),
         },
     );
     write(

@@ -12,7 +12,8 @@ use utoipa::ToSchema;
 
 /// As long as the longest horizon; a robot farther away than that cannot be controlled.
 pub const LOOP_DELAY: Range = Range::new(0.0, 2.0, "s");
-/// Longest watchdog: a robot without a link drives on for no more than this.
+/// Longest watchdog that may be described. No robot holds for longer than 1 s
+/// ([`MAX_WATCHDOG`](umwelt_core::horizon::MAX_WATCHDOG)); more was allowed once, and means as much.
 pub const WATCHDOG: Range = Range::new(0.0, 5.0, "s");
 /// Shortest watchdog other than 0: below it the jitter of a good link stops the robot.
 pub const MIN_WATCHDOG: f64 = 0.05;
@@ -135,7 +136,7 @@ pub struct Spec {
     /// Nominal time from a pose being taken to its reply being applied.
     pub loop_delay_s: f64,
     /// How long the robot holds the last entry of a horizon before it ramps to rest: 0.05 or more,
-    /// or 0 to hold for ever (refused by hardware drives).
+    /// or 0 to hold for ever (refused by hardware drives). More than 1 s counts as 1 s.
     pub watchdog_s: f64,
     /// How poses are predicted.
     pub predictor: Predictor,

@@ -11,6 +11,7 @@ use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, MAX_SLOTS, SLOT};
 use umwelt_core::kinematics::Drive;
+use umwelt_core::local::LocalLimits;
 
 pub(super) const MAX: u64 = robot::MAX_INTEGER;
 
@@ -156,8 +157,9 @@ pub(super) fn request() -> impl Strategy<Value = Request> {
     let poses = prop::collection::vec((pose, 0.001..1.0f64), 0..=32);
     let deliveries = prop::collection::vec((0..MAX, within(step::DELIVERY_DELAY)), 0..=16);
     let playing = prop::option::of((0..=MAX, 0.0..9.0f64));
-    (1..=MAX, within(step::TIME), poses, deliveries, playing).prop_map(
-        |(sequence, sent, poses, deliveries, playing)| {
+    let limits = (any::<bool>(), prop::option::of(within(step::MAX_SPEED)));
+    (1..=MAX, within(step::TIME), poses, deliveries, playing, limits).prop_map(
+        |(sequence, sent, poses, deliveries, playing, (hold, max_speed))| {
             let sent = sent.max(step::TIME.min + 100.0);
             let mut taken = sent - 50.0;
             let observations = poses.into_iter().map(|(pose, later)| {
@@ -174,6 +176,7 @@ pub(super) fn request() -> impl Strategy<Value = Request> {
                     .map(|(of, loop_delay)| Delivery { sequence: of % sequence, loop_delay })
                     .collect(),
                 playing: playing.map(|(horizon, ago)| Playing { horizon, since: sent - ago }),
+                limits: LocalLimits { hold, max_speed },
             }
         },
     )

@@ -9,6 +9,7 @@ pub use sim::Sim;
 use std::ops::ControlFlow;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
+use umwelt_core::local::LocalLimits;
 
 /// Poses out, wheel speeds in. Times are robot time in s and never go back.
 pub trait Drive: Send {
@@ -33,6 +34,11 @@ pub trait Drive: Send {
     /// The next pose that has become known by `now`; call it until there is none.
     /// Time passes up to `now` under the speeds that were applied last.
     fn observe(&mut self, now: f64) -> Option<Observation>;
+
+    /// What the robot itself allows now: a bumper, a lidar field, an e-stop button. It holds whatever the server says.
+    fn limits(&self) -> LocalLimits {
+        LocalLimits::NONE
+    }
 
     /// Applies `speeds` from `now` on. Called at every moment, after [`Drive::observe`].
     ///

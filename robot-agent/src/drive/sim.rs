@@ -2,12 +2,13 @@
 
 use super::{Drive, DriveError};
 use std::collections::VecDeque;
-use std::convert::Infallible;
 use std::ops::ControlFlow;
+use tokio::sync::watch;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
 use umwelt_core::link::SENSOR_DELAY;
+use umwelt_core::local::LocalLimits;
 use umwelt_core::plant::{Plant, PlantError, PlantModel};
 
 /// A simulated robot under a camera that takes a frame per slot and tells its pose a sensor delay later.
@@ -22,6 +23,8 @@ pub struct Sim {
     applied: WheelSpeeds,
     /// Poses on their way from the camera: (arrival, pose).
     seen: VecDeque<(f64, Observation)>,
+    /// Its bumper and buttons.
+    limits: Option<watch::Receiver<LocalLimits>>,
 }
 
 impl Sim {
@@ -38,12 +41,18 @@ impl Sim {
             now: 0.0,
             applied: WheelSpeeds::ZERO,
             seen: VecDeque::new(),
+            limits: None,
         })
     }
 
     /// The same with another time in s from a pose being taken to its being known.
     pub fn with_sensor_delay(self, sensor_delay: f64) -> Self {
         Self { sensor_delay, ..self }
+    }
+
+    /// The same with a bumper and buttons: what the robot itself allows, at each moment.
+    pub fn with_limits(self, limits: watch::Receiver<LocalLimits>) -> Self {
+        Self { limits: Some(limits), ..self }
     }
 
     fn next_frame(&self) -> f64 {
@@ -58,7 +67,8 @@ impl Sim {
 }
 
 impl Drive for Sim {
-    type Input = Infallible;
+    /// What the robot itself allows has changed.
+    type Input = ();
 
     const IS_HARDWARE: bool = false;
 
@@ -70,12 +80,22 @@ impl Drive for Sim {
         self.seen.front().map_or(f64::INFINITY, |(arrival, _)| *arrival).min(self.next_frame())
     }
 
-    async fn input(&mut self) -> Infallible {
+    async fn input(&mut self) {
+        if let Some(limits) = &mut self.limits
+            && limits.changed().await.is_ok()
+        {
+            return;
+        }
+        // Where nobody can change it any more, it stays as it is.
         std::future::pending().await
     }
 
-    fn take(&mut self, _: f64, input: Infallible) -> ControlFlow<()> {
-        match input {}
+    fn take(&mut self, _: f64, (): ()) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn limits(&self) -> LocalLimits {
+        self.limits.as_ref().map_or(LocalLimits::NONE, |limits| *limits.borrow())
     }
 
     fn observe(&mut self, now: f64) -> Option<Observation> {

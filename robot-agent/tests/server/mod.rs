@@ -71,6 +71,10 @@ impl Server {
         self.with(|inner| inner.controller.progress())
     }
 
+    pub fn is_held(&self) -> bool {
+        self.with(|inner| inner.controller.is_held())
+    }
+
     pub fn forget(&self) {
         self.with(|inner| inner.is_known = false);
     }

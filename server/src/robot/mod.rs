@@ -377,6 +377,7 @@ mod tests {
             observations: Default::default(),
             deliveries: Default::default(),
             playing: None,
+            limits: Default::default(),
         }
     }
 

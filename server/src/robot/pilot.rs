@@ -277,8 +277,13 @@ impl Pilot {
     /// A new horizon, and what happened on the way to it.
     fn control(&mut self, request: &Request, now: Instant) -> Horizon {
         let (before, seen) = (self.controller.progress(), self.controller.pose());
+        let was_held = self.controller.is_held();
         let request = self.clock.request(request);
         let output = self.controller.step(&request);
+        let is_held = self.controller.is_held();
+        if is_held != was_held {
+            self.publish(if is_held { Kind::Held } else { Kind::Released });
+        }
         self.shown.drained |= self.draining;
         for event in output.events {
             warn(&self.id, &event);
@@ -352,6 +357,8 @@ impl Pilot {
         shown.progress = self.controller.progress();
         shown.watch(self.controller.watch_state());
         shown.stopped = self.controller.is_stopped();
+        shown.limits = self.controller.local_limits();
+        shown.held = self.controller.is_held();
         shown.epoch = self.session.epoch();
         // A takeover forgets the pose with the clock; the last one known stays on show.
         let pose = self.controller.pose().map(|pose| self.clock.observation(pose));

@@ -17,6 +17,7 @@ use umwelt_core::controller::task::{Progress, Task};
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::identification::estimate;
+use umwelt_core::local::LocalLimits;
 use umwelt_core::watch::Alarm;
 
 /// A robot's settings with their version.
@@ -68,6 +69,9 @@ pub(crate) struct Snapshot {
     /// When the last step came.
     pub(super) seen: Option<Instant>,
     pub(super) stopped: bool,
+    /// What the robot itself allows, and whether that is nothing.
+    pub(super) limits: LocalLimits,
+    pub(super) held: bool,
     pub(super) pose: Option<Observation>,
     /// When that pose was taken, by the time of the request that brought it.
     pub(super) pose_taken: Option<Instant>,
@@ -98,6 +102,8 @@ impl Snapshot {
             state: State::Never,
             seen: None,
             stopped: controller.is_stopped(),
+            limits: controller.local_limits(),
+            held: controller.is_held(),
             pose: controller.pose(),
             pose_taken: None,
             // Since when is not known: it was found before this server started.
@@ -226,6 +232,8 @@ impl Snapshot {
             state: self.state,
             last_seen_s_ago: self.seen.map(|seen| now.duration_since(seen).as_secs_f64()),
             stopped: self.stopped,
+            held: self.held,
+            max_speed_m_per_s: self.limits.max_speed,
             pose: self.pose.map(Pose::from),
             pose_age_s: self.pose_taken.map(|taken| now.duration_since(taken).as_secs_f64()),
             watch: self.watch.map(|(alarm, rests, since)| {

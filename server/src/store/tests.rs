@@ -51,6 +51,7 @@ pub(crate) fn saved(record: &Record, deliveries: u64) -> Saved {
             })
             .collect(),
             playing: None,
+            limits: Default::default(),
         });
     }
     controller.saved()

@@ -30,6 +30,39 @@ async fn a_step_is_answered_with_a_horizon_and_shows() {
     assert_eq!(robot["pose"]["taken_s"], 9.9);
 }
 
+#[tokio::test(start_paused = true)]
+async fn a_robot_that_holds_is_told_to_rest_and_shows_at_once() {
+    let api = Api::with_robot().await;
+    let path = "/v1/robots/r/task";
+    let task = json!({"waypoints": [{"x_m": 1.0, "y_m": 0.0}], "calibration": null});
+    assert_eq!(api.put(path, task).await.code, 200);
+    let moves = async |sequence: u64, more: Value| {
+        let mut body = step(7, sequence, 10.0 + 0.03 * sequence as f64, 0.0);
+        body.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let answer = api.step(body).await;
+        let reply: umwelt_api::step::Reply = serde_json::from_slice(&answer.bytes).unwrap();
+        let robot = api.get("/v1/robots/r").await.json();
+        let speeds = reply.horizon.wheel_speeds;
+        let moves = speeds.iter().any(|wheels| wheels.left_rad_per_s != 0.0);
+        (moves, robot["held"].clone(), robot["max_speed_m_per_s"].clone())
+    };
+    let (none, slow) = (json!({}), json!({"max_speed_m_per_s": 0.05}));
+    for sequence in 1..30 {
+        moves(sequence, none.clone()).await;
+    }
+    assert_eq!(moves(30, none.clone()).await, (true, json!(false), Value::Null));
+    let held = json!({"hold": true});
+    moves(31, held.clone()).await;
+    for sequence in 32..60 {
+        assert_eq!(moves(sequence, held.clone()).await.1, true);
+    }
+    assert_eq!(moves(60, held).await, (false, json!(true), Value::Null));
+    assert_eq!(moves(61, slow).await, (true, json!(false), json!(0.05)));
+    let too_slow = json!({"max_speed_m_per_s": 0.01});
+    assert_eq!(moves(62, too_slow).await.1, true);
+    assert_eq!(moves(63, none).await.1, false);
+}
+
 /// The bug to fear: a retry of the transport counts its deliveries twice, or plans anew from the same pose.
 #[tokio::test(start_paused = true)]
 async fn a_repeat_gets_the_same_bytes_and_changes_nothing() {

@@ -32,6 +32,7 @@ fn straight_to(x_m: f64) -> task::Spec {
         tolerance_m: 0.01,
         reverse: false,
         calibration: None,
+        max_deviation_m: None,
     }
 }
 

@@ -40,6 +40,7 @@ impl Robot {
             observations,
             deliveries: Default::default(),
             playing: None,
+            limits: Default::default(),
         });
         self.horizons.push(output.horizon);
         let drive = &controller.settings().drive;

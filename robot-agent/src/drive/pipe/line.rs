@@ -1,7 +1,8 @@
 //! What a pose looks like on a line, and what is no pose.
 
-use serde::Deserialize;
-use umwelt_client::api::step::HEADING;
+use serde::{Deserialize, Deserializer};
+use umwelt_client::api::Range;
+use umwelt_client::api::step::{HEADING, MAX_SPEED};
 use umwelt_client::api::task::COORDINATE;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::Pose;
@@ -58,6 +59,11 @@ pub(super) enum LineError {
     TooLong,
     #[error("not a pose like {{\"t_s\":1.5,\"x_m\":0.1,\"y_m\":0,\"heading_rad\":0}}: {0}")]
     Malformed(String),
+    #[error(
+        "the robot holds by a line that cannot be read: {0}. Write {{\"hold\":true}}, {{\"hold\":false}} or \
+         {{\"max_speed_m_per_s\":0.05}} (null for any)"
+    )]
+    UnreadableLimits(String),
     #[error("{field} is {value}, it must be between {min} and {max}")]
     OutOfRange { field: &'static str, value: f64, min: f64, max: f64 },
     #[error("t_s is {by} s in the future: use the clock of this host, Python's time.monotonic()")]
@@ -72,12 +78,35 @@ pub(super) enum LineError {
 #[serde(deny_unknown_fields)]
 struct Fields {
     t_s: Option<f64>,
-    x_m: f64,
-    y_m: f64,
-    heading_rad: f64,
+    #[serde(default, deserialize_with = "said")]
+    x_m: Option<f64>,
+    #[serde(default, deserialize_with = "said")]
+    y_m: Option<f64>,
+    #[serde(default, deserialize_with = "said")]
+    heading_rad: Option<f64>,
+    #[serde(default, deserialize_with = "said")]
+    hold: Option<bool>,
+    #[serde(default, deserialize_with = "said")]
+    max_speed_m_per_s: Option<Option<f64>>,
 }
 
-/// Reads poses whose stamps strictly increase.
+/// A field that is there: null counts as what the type makes of it, not as a field that is missing.
+fn said<'de, D: Deserializer<'de>, T: Deserialize<'de>>(field: D) -> Result<Option<T>, D::Error> {
+    T::deserialize(field).map(Some)
+}
+
+/// What a line says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Said {
+    /// Whether the robot holds from now on, where the line says so.
+    pub hold: Option<bool>,
+    /// The speed in m/s that it allows from now on, where the line says so; none inside for any.
+    pub max_speed: Option<Option<f64>>,
+    /// The pose, where there is one, or what is wrong with the line.
+    pub pose: Option<Result<Observation, LineError>>,
+}
+
+/// Reads lines; stamps of poses strictly increase.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Poses {
     newest: f64,
@@ -86,22 +115,43 @@ pub(super) struct Poses {
 impl Poses {
     pub(super) const NEW: Self = Self { newest: f64::NEG_INFINITY };
 
-    /// The pose on `line`, which arrives at `now`. A refused line changes nothing.
-    pub(super) fn read(&mut self, now: f64, line: &Line) -> Result<Observation, LineError> {
-        let Line::Whole(line) = line else { return Err(LineError::TooLong) };
-        let Fields { t_s, x_m, y_m, heading_rad } = serde_json::from_slice(line)
-            .map_err(|error| LineError::Malformed(error.to_string()))?;
-        for (field, value, range) in [
-            ("x_m", x_m, COORDINATE),
-            ("y_m", y_m, COORDINATE),
-            ("heading_rad", heading_rad, HEADING),
-        ] {
-            if !range.contains(value) {
-                let (min, max) = (range.min, range.max);
-                return Err(LineError::OutOfRange { field, value, min, max });
+    /// What `line` says, which arrives at `now`.
+    ///
+    /// A hold is obeyed whatever the pose beside it. A line that names it or a speed and cannot be read is a hold: whoever
+    /// wrote it meant to restrain the robot.
+    pub(super) fn read(&mut self, now: f64, line: &Line) -> Said {
+        let wrong = |hold, error| Said { hold, max_speed: None, pose: Some(Err(error)) };
+        let Line::Whole(line) = line else { return wrong(None, LineError::TooLong) };
+        let fields: Fields = match serde_json::from_slice(line) {
+            Ok(fields) => fields,
+            Err(error) if names_limits(line) => {
+                return wrong(Some(true), LineError::UnreadableLimits(error.to_string()));
             }
+            Err(error) => return wrong(None, LineError::Malformed(error.to_string())),
+        };
+        if let Some(Some(value)) = fields.max_speed_m_per_s
+            && let Err(error) = in_range("max_speed_m_per_s", value, MAX_SPEED)
+        {
+            return wrong(Some(true), error);
         }
-        let taken = t_s.unwrap_or(now);
+        let Fields { x_m, y_m, heading_rad, hold, max_speed_m_per_s: max_speed, .. } = fields;
+        let is_pose = x_m.is_some() || y_m.is_some() || heading_rad.is_some();
+        let is_all = !is_pose && (hold.is_some() || max_speed.is_some());
+        Said { hold, max_speed, pose: (!is_all).then(|| self.pose(now, &fields)) }
+    }
+
+    /// The pose among `fields`. One that is refused changes nothing.
+    fn pose(&mut self, now: f64, fields: &Fields) -> Result<Observation, LineError> {
+        let there = |field: &str, value: Option<f64>| {
+            value.ok_or_else(|| LineError::Malformed(format!("missing field `{field}`")))
+        };
+        let x = there("x_m", fields.x_m)?;
+        let y = there("y_m", fields.y_m)?;
+        let heading = there("heading_rad", fields.heading_rad)?;
+        in_range("x_m", x, COORDINATE)?;
+        in_range("y_m", y, COORDINATE)?;
+        in_range("heading_rad", heading, HEADING)?;
+        let taken = fields.t_s.unwrap_or(now);
         if taken > now + FUTURE {
             return Err(LineError::Future { by: taken - now });
         }
@@ -114,8 +164,23 @@ impl Poses {
             return Err(LineError::NotNewer { taken, newest });
         }
         self.newest = taken;
-        Ok(Observation { pose: Pose::new(x_m, y_m, heading_rad), taken })
+        Ok(Observation { pose: Pose::new(x, y, heading), taken })
     }
+}
+
+fn in_range(field: &'static str, value: f64, range: Range) -> Result<(), LineError> {
+    let (min, max) = (range.min, range.max);
+    if range.contains(value) {
+        Ok(())
+    } else {
+        Err(LineError::OutOfRange { field, value, min, max })
+    }
+}
+
+/// Whether a line that cannot be read names what restrains the robot.
+fn names_limits(line: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(line);
+    ["\"hold\"", "max_speed_m_per_s"].iter().any(|name| text.contains(name))
 }
 
 #[cfg(test)]
@@ -123,8 +188,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn read(poses: &mut Poses, now: f64, text: &str) -> Result<Observation, LineError> {
+    fn said(poses: &mut Poses, now: f64, text: &str) -> Said {
         poses.read(now, &Line::Whole(text.into()))
+    }
+
+    fn read(poses: &mut Poses, now: f64, text: &str) -> Result<Observation, LineError> {
+        said(poses, now, text).pose.expect("a pose or an error")
     }
 
     fn split(chunks: &[&[u8]]) -> Vec<Line> {
@@ -173,8 +242,51 @@ mod tests {
             let error = read(&mut poses, 10.0, line).unwrap_err().to_string();
             assert!(error.contains(reason), "{line}: {error}");
         }
-        assert_eq!(poses.read(10.0, &Line::TooLong), Err(LineError::TooLong));
+        assert_eq!(poses.read(10.0, &Line::TooLong).pose, Some(Err(LineError::TooLong)));
         assert!(read(&mut poses, 10.0, r#"{"t_s":9.6,"x_m":0,"y_m":0,"heading_rad":0}"#).is_ok());
+    }
+
+    #[test]
+    fn a_line_may_restrain_the_robot_with_a_pose_and_without() {
+        let mut poses = Poses::NEW;
+        let only = |hold, max_speed| Said { hold, max_speed, pose: None };
+        for (line, expected) in [
+            (r#"{"hold":true}"#, only(Some(true), None)),
+            (r#"{"hold":false,"t_s":10.0}"#, only(Some(false), None)),
+            (r#"{"max_speed_m_per_s":0.05}"#, only(None, Some(Some(0.05)))),
+            (r#"{"max_speed_m_per_s":null,"hold":false}"#, only(Some(false), Some(None))),
+        ] {
+            assert_eq!(said(&mut poses, 10.0, line), expected, "{line}");
+        }
+        let both = said(&mut poses, 10.0, r#"{"x_m":1,"y_m":0,"heading_rad":0,"hold":true}"#);
+        assert_eq!(both.hold, Some(true));
+        assert_eq!(both.pose.unwrap().unwrap().pose.x, 1.0);
+        // Whatever is wrong with the pose beside it.
+        for pose in [r#""x_m":1e9,"y_m":0,"heading_rad":0"#, r#""x_m":1"#] {
+            let said = said(&mut poses, 11.0, &format!("{{\"hold\":true,{pose}}}"));
+            assert!(said.hold == Some(true) && said.pose.unwrap().is_err());
+        }
+    }
+
+    #[test]
+    fn a_line_that_means_to_restrain_the_robot_and_cannot_be_read_is_a_hold() {
+        let mut poses = Poses::NEW;
+        for line in [
+            r#"{"hold":"yes"}"#,
+            r#"{"hold":1}"#,
+            r#"{"hold":null}"#,
+            r#"{"hold":false,"z_m":1}"#,
+            r#"{"hold":true"#,
+            r#"{"max_speed_m_per_s":-0.1}"#,
+            r#"{"max_speed_m_per_s":"slow"}"#,
+            r#"{"max_speed_m_per_s":1e3}"#,
+        ] {
+            let said = said(&mut poses, 10.0, line);
+            assert_eq!((said.hold, said.max_speed), (Some(true), None), "{line}");
+            let error = said.pose.unwrap().unwrap_err().to_string();
+            assert!(error.contains("hold") || error.contains("max_speed_m_per_s is"), "{error}");
+        }
+        assert_eq!(said(&mut poses, 10.0, "{}").hold, None);
     }
 
     #[test]
@@ -202,7 +314,7 @@ mod tests {
             let chunks: Vec<&[u8]> = chunks.iter().map(Vec::as_slice).collect();
             let (mut poses, mut newest) = (Poses::NEW, f64::NEG_INFINITY);
             for line in split(&chunks) {
-                if let Ok(Observation { pose, taken }) = poses.read(10.0, &line) {
+                if let Some(Ok(Observation { pose, taken })) = poses.read(10.0, &line).pose {
                     prop_assert!(COORDINATE.contains(pose.x) && COORDINATE.contains(pose.y));
                     prop_assert!(pose.heading.radians().is_finite());
                     prop_assert!((8.0..=10.0).contains(&taken) && taken > newest);

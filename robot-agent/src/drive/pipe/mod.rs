@@ -2,6 +2,8 @@
 //!
 //! ```text
 //! {"t_s":81.30,"x_m":0.012,"y_m":-0.003,"heading_rad":0.02}            a tracker writes
+//! {"hold":true}                                                        a bumper, an e-stop button: rest at once
+//! {"max_speed_m_per_s":0.05}                                           a lidar field: no faster; null lifts it
 //! {"t_s":81.45,"left_rad_per_s":1.2,"right_rad_per_s":1.3}             a motor driver reads
 //! ```
 //!
@@ -17,7 +19,7 @@ pub use output::Output;
 use super::{Drive, DriveError};
 use crate::throttle::Throttle;
 use arrivals::Arrivals;
-use line::{Line, Poses, Splitter};
+use line::{Line, Poses, Said, Splitter};
 use output::{Putter, newest_line};
 use std::io::{self, Read, Write};
 use std::ops::ControlFlow;
@@ -27,6 +29,7 @@ use tracing::warn;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
+use umwelt_core::local::LocalLimits;
 
 /// Most lines read ahead of the loop; a tracker that is faster has to wait.
 const MAX_READ_AHEAD: usize = 64;
@@ -50,6 +53,7 @@ pub struct Pipe {
     is_open: bool,
     poses: Poses,
     known: Option<Observation>,
+    limits: LocalLimits,
     arrivals: Arrivals,
     complaint: Throttle,
     putter: Option<Putter>,
@@ -107,6 +111,7 @@ impl Pipe {
             is_open: true,
             poses: Poses::NEW,
             known: None,
+            limits: LocalLimits::NONE,
             arrivals: Arrivals::new(),
             complaint: Throttle::default(),
             putter: Some(putter),
@@ -147,16 +152,20 @@ impl Drive for Pipe {
             self.is_open = false;
             return ControlFlow::Break(());
         };
-        match self.poses.read(now, &line) {
-            Ok(observation) => {
+        let Said { hold, max_speed, pose } = self.poses.read(now, &line);
+        self.limits.hold = hold.unwrap_or(self.limits.hold);
+        self.limits.max_speed = max_speed.unwrap_or(self.limits.max_speed);
+        match pose {
+            None => {}
+            Some(Ok(observation)) => {
                 self.known = Some(observation);
                 if let Some((complaint, unsaid)) = self.arrivals.take(now, observation.taken) {
                     warn!(unsaid, "{complaint}");
                 }
             }
-            Err(error) => {
+            Some(Err(error)) => {
                 if let Some(unsaid) = self.complaint.ask(now) {
-                    warn!(unsaid, "pose skipped: {error}");
+                    warn!(unsaid, "line skipped: {error}");
                 }
             }
         }
@@ -165,6 +174,10 @@ impl Drive for Pipe {
 
     fn observe(&mut self, _: f64) -> Option<Observation> {
         self.known.take()
+    }
+
+    fn limits(&self) -> LocalLimits {
+        self.limits
     }
 
     fn apply(&mut self, now: f64, speeds: WheelSpeeds) -> Result<(), DriveError> {

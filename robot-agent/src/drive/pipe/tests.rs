@@ -307,6 +307,41 @@ fn a_twist_is_written_as_such_and_zero_has_no_sign() {
     assert_eq!(forward(&wheels, WheelSpeeds::ZERO), Twist::ZERO);
 }
 
+/// A hold acts without the server, which here goes on saying drive; so does a smaller speed.
+#[tokio::test(start_paused = true)]
+async fn the_robot_itself_has_the_last_word() {
+    let told = |now: f64| match now {
+        ..1.0 => "",
+        1.0..3.0 => r#","hold":true"#,
+        3.0..5.0 => r#","hold":false,"max_speed_m_per_s":0.05"#,
+        5.0..6.0 => r#","max_speed_m_per_s":0.01"#,
+        6.0..8.0 => r#","max_speed_m_per_s":null"#,
+        _ => "end",
+    };
+    let (_, lines) = driven(always(0.1, 0.3), |now, _| {
+        let told = told(now);
+        (told != "end").then(|| format!(r#"{{"x_m":0,"y_m":0,"heading_rad":0{told}}}"#))
+    })
+    .await;
+    let wheels = Wheels::default();
+    let speeds = |from: f64, to: f64| {
+        let within = lines.iter().filter(move |(now, _)| (from..to).contains(now));
+        within.map(|(_, speeds)| forward(&wheels, *speeds).linear).collect::<Vec<_>>()
+    };
+    let ramp = 0.1 / wheels.max_linear_acceleration + 2.0 * SLOT;
+    assert!(speeds(0.9, 1.0).iter().all(|v| (v - 0.1).abs() < 1e-9));
+    let slower = lines.iter().find(|(now, speeds)| *now >= 1.0 && speeds.left < 3.33);
+    assert!(slower.is_some_and(|(now, _)| *now < 1.0 + 2.0 * SLOT), "{slower:?}: at once");
+    let is_all = |from: f64, to: f64, wanted: f64| {
+        let speeds = speeds(from, to);
+        speeds.len() > 10 && speeds.iter().all(|v| (v - wanted).abs() < 1e-9)
+    };
+    assert!(is_all(1.0 + ramp, 3.0, 0.0), "held");
+    assert!(is_all(3.0 + ramp, 5.0, 0.05), "slower");
+    assert!(is_all(5.0 + ramp, 6.0, 0.0), "no motor turns at that speed");
+    assert!(is_all(6.0 + ramp, 8.0, 0.1), "as told");
+}
+
 /// Takes 15 ms for each line.
 struct Slow(Arc<Mutex<Vec<u8>>>);
 
