@@ -119,8 +119,9 @@ pub struct Spec {
     /// Motion before the task; none where it is null or left out, the default motion for `{}`.
     #[serde(default)]
     pub calibration: Option<Calibration>,
-    /// Largest distance from the path before the robot rests. Left out: the length of the leg, at least ten track widths.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Largest distance from the path before the robot rests. Null or left out: the length of the leg, at least ten track
+    /// widths.
+    #[serde(default)]
     pub max_deviation_m: Option<f64>,
 }
 
