@@ -22,3 +22,4 @@ mod sockets;
 mod steps;
 mod stores;
 mod submissions;
+mod watch;
