@@ -349,6 +349,8 @@ impl<C: Compensation> Controller<C> {
             Verdict::Open => return window,
             Verdict::Rest => {}
             Verdict::Rejected => self.belief.windows_rejected += 1,
+            // A robot that rests for the watch teaches nothing on its way there.
+            Verdict::Closed(_) if self.watch.rests() => {}
             Verdict::Closed(samples) => {
                 self.compensation.witness(&self.belief, &samples, start);
                 self.belief.update(&samples, start, end.taken);
@@ -505,6 +507,7 @@ impl<C: Compensation> Controller<C> {
         self.phases.clear();
         self.record = Record::default();
         self.watch.resume();
+        self.limit = None;
         self.task = Some(task);
     }
 
@@ -515,6 +518,7 @@ impl<C: Compensation> Controller<C> {
         self.phases.clear();
         self.record = Record::default();
         self.watch.resume();
+        self.limit = None;
     }
 
     /// Rest until [`Controller::resume`]; the task is kept.
@@ -553,8 +557,8 @@ impl<C: Compensation> Controller<C> {
         self.phase = self.phase.resumed();
         self.record.restart_clock();
         self.watch.restart_clock();
-        self.healthy = None;
         self.heard = Heard::default();
+        (self.healthy, self.limit) = (None, None);
     }
 
     /// Back to the prior.
@@ -577,6 +581,7 @@ impl<C: Compensation> Controller<C> {
             self.healthy = None;
         }
         self.settings = settings;
+        self.limit = None;
         self.phases.clear();
     }
 

@@ -122,21 +122,11 @@ impl Evidence {
         self.cells[(self.next + CELLS - 1) % CELLS].seen
     }
 
-    /// Takes in one step; `least` is the motion in m and rad that a cell is to hold. Poses more than `longest` s apart
-    /// begin anew: what was played between them is not known well. Returns the kind of the cell that it ended, if it did.
-    pub fn push(
-        &mut self,
-        drive: &Drive,
-        step: &Step,
-        least: [f64; 2],
-        longest: f64,
-    ) -> Option<Kind> {
+    /// Takes in one step; `least` is the motion in m and rad that a cell is to hold. Returns the kind of the cell that it
+    /// ended, if it did.
+    pub fn push(&mut self, drive: &Drive, step: &Step, least: [f64; 2]) -> Option<Kind> {
         let Step { from, to, commanded, .. } = step;
         let span = to.taken - from.taken;
-        if span > longest {
-            self.clear();
-            return None;
-        }
         let (forward, turn) = (commanded.forward, commanded.turn);
         let is_active = forward.abs() >= COMMANDED * drive.min_linear * span
             || turn.abs() >= COMMANDED * drive.min_angular * span;

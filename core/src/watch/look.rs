@@ -132,9 +132,8 @@ impl Watch {
         if matches!(finding, Finding::Rest(_) | Finding::Raised(_)) {
             return finding;
         }
-        if let Some(alarm) = self.mismatch(settings, kind, noise, situation.heading)
-            && let Alarm::FrameMismatch { compared, .. } = alarm
-            && played(situation.now - compared.span - UNDESCRIBED_DELAY, situation.now)
+        if let Some((alarm, (from, to))) = self.mismatch(settings, kind, noise, situation.heading)
+            && played(from - UNDESCRIBED_DELAY, to)
         {
             return self.hold(alarm);
         }
@@ -193,14 +192,14 @@ impl Watch {
         }
     }
 
-    /// Whether the robot moves against or beside the command.
+    /// Whether the robot moves against or beside the command, and from when to when it was looked at.
     fn mismatch(
         &self,
         settings: &Settings,
         kind: Kind,
         noise: PoseNoise,
         heading: f64,
-    ) -> Option<Alarm> {
+    ) -> Option<(Alarm, (f64, f64))> {
         let drive = &settings.drive;
         let half = drive.track_width / 2.0;
         let sums = self.evidence.latest_settled(kind, |sums| {
@@ -234,9 +233,9 @@ impl Watch {
             Kind::Drive => (Fit::of(Some(response), beside, heading), sums.seen[0]),
             Kind::Turn => (Fit::of(beside, Some(response), heading), sums.seen[2]),
         };
-        let Sums { commanded, span, .. } = sums;
+        let Sums { commanded, span, times, .. } = sums;
         let compared = Compared { turning: kind == Kind::Turn, commanded, seen, span };
-        Some(Alarm::FrameMismatch { compared, fit })
+        Some((Alarm::FrameMismatch { compared, fit }, times))
     }
 
     /// Whether the robot is on its way, and gets on.

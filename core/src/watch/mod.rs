@@ -244,6 +244,11 @@ impl Watch {
         if !wants || self.rests() {
             return (None, Finding::Nothing);
         }
+        if span > LONGEST_GAP.max(MISSED * interval) {
+            // What was played between them is not known well.
+            self.forget();
+            return (None, Finding::Nothing);
+        }
         let drive = &settings.drive;
         let top = self.top;
         let stillness = self.still.push(drive, step, || {
@@ -260,8 +265,7 @@ impl Watch {
         }
         let noise = self.jitter.at_least(settings.noise);
         let least = [noise.position, noise.heading].map(|sd| CELL_SHARE * TELLS_STUCK * sd);
-        let longest = LONGEST_GAP.max(MISSED * interval);
-        (self.evidence.push(drive, step, least, longest), Finding::Nothing)
+        (self.evidence.push(drive, step, least), Finding::Nothing)
     }
 
     fn hold(&mut self, alarm: Alarm) -> Finding {

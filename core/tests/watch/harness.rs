@@ -131,7 +131,12 @@ impl World {
     }
 
     /// Runs for `seconds`, or until a second after the arrival.
-    pub fn run(mut self, seconds: f64) -> Run {
+    pub fn run(self, seconds: f64) -> Run {
+        self.run_with(seconds, |_| {})
+    }
+
+    /// The same, with a look at the controller after each step.
+    pub fn run_with(mut self, seconds: f64, mut look: impl FnMut(&Controller)) -> Run {
         let drive = self.settings.drive;
         let mut controller = Controller::new(self.settings);
         controller.set_task(self.task.clone());
@@ -173,6 +178,7 @@ impl World {
             while up.front().is_some_and(|(due, _)| *due <= t + 1e-9) {
                 let (_, request) = up.pop_front().expect("there is one");
                 let output = run.controller.step(&request);
+                look(&run.controller);
                 run.events.extend(output.events.iter().map(|event| (t, *event)));
                 down.push_back((t + self.delays.2, output.horizon));
             }

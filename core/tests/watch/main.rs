@@ -3,6 +3,7 @@
 
 mod frames;
 mod harness;
+mod other;
 mod quiet;
 mod slow;
 

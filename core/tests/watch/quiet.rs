@@ -14,3 +14,46 @@ fn ordinary_driving_raises_no_alarm() {
         assert!(said.driven >= 600.0 && said.arrived == said.episodes, "{scenario}: {said:?}");
     }
 }
+
+/// The thesis's round trip over bad links, one slot per horizon: on the edge of what can be driven at all.
+#[test]
+fn bad_links_are_no_fault_of_the_robot() {
+    use umwelt_core::controller::Controller;
+    use umwelt_core::controller::settings::{PoseNoise, Settings};
+    use umwelt_core::controller::task::Task;
+    use umwelt_core::episode::{Scenario, TIME_LIMIT};
+    use umwelt_core::geometry::Pose;
+    use umwelt_core::link::LinkModel;
+    use umwelt_core::plant::{PlantModel, Slip};
+
+    for (link, slots, seeds) in
+        [("bad", 1, 300..400), ("bad", 20, 340..360), ("wifi-bursty", 1, 0..60)]
+    {
+        let settings = Settings { slots, noise: PoseNoise::CAMERA, ..Settings::default() };
+        let scenario = Scenario {
+            settings,
+            plant: PlantModel { drive: settings.drive, slip: Slip::HARD, noise: settings.noise },
+            link: LinkModel::preset(link).expect("a preset"),
+            task: Task::thesis(),
+            start: Pose::default(),
+            region: None,
+            time_limit: TIME_LIMIT,
+        };
+        for seed in seeds {
+            let mut said = Vec::new();
+            let controller = Controller::new(settings);
+            let driven = scenario.drive(controller, seed, |row, controller| {
+                if let Some((alarm, rests)) = controller.watch_state()
+                    && said.last().is_none_or(|(_, last, _)| *last != alarm)
+                {
+                    said.push((row.time, alarm, rests));
+                }
+            });
+            assert!(said.is_empty(), "{link}, {slots} slots, seed {seed}: {said:?}");
+            assert!(
+                driven.expect("a valid scenario").0.arrived,
+                "{link}, {slots} slots, seed {seed}"
+            );
+        }
+    }
+}

@@ -26,3 +26,4 @@ mod steps;
 mod stops;
 mod stores;
 mod submissions;
+mod watch;

@@ -59,6 +59,8 @@ async fn a_server_finds_everything_again_in_its_data_directory() {
     let [mut task_before, learned_before] = before;
     // A leg that was begun is taken up again with a turn toward its waypoint.
     assert_eq!(task_before["progress"]["stage"].take(), "driving");
+    // What limits the speed is known again with the first step.
+    assert!(task_before["progress"]["limited_by"].take().is_string());
     let mut task = api.get("/v1/robots/r/task").await.json();
     assert_eq!(task["progress"]["stage"].take(), "turning");
     assert_eq!((task, learned(&api).await), (task_before, learned_before.clone()));
