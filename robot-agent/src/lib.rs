@@ -29,6 +29,7 @@ mod agent;
 mod clock;
 pub mod drive;
 mod report;
+mod restraint;
 mod robot;
 mod throttle;
 pub mod transport;

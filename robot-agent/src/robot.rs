@@ -4,6 +4,7 @@
 //! holds back requests and answers here, on robot time.
 
 use crate::report::{AgentError, Ended};
+use crate::restraint::Restraint;
 use crate::throttle::Throttle;
 use crate::transport::{Answer, Post};
 use std::collections::VecDeque;
@@ -43,8 +44,7 @@ pub(crate) struct Robot {
     is_hardware: bool,
     exchange: Exchange,
     actuation: Actuation,
-    /// What the robot itself allows.
-    limits: LocalLimits,
+    restraint: Restraint,
     /// The link to simulate; none where the real one is all there is.
     link: Option<Link>,
     /// Requests on their way to being posted, and answers on their way back, by arrival.
@@ -62,7 +62,6 @@ pub(crate) struct Robot {
     unknown_since: Option<f64>,
     state: State,
     complaint: Throttle,
-    change: Throttle,
 }
 
 /// What is shown of the robot.
@@ -92,7 +91,7 @@ impl Robot {
             is_hardware,
             exchange: Exchange::new(now),
             actuation: Actuation::new(drive, now),
-            limits: LocalLimits::NONE,
+            restraint: Restraint::default(),
             link,
             upward: VecDeque::new(),
             downward: VecDeque::new(),
@@ -105,7 +104,6 @@ impl Robot {
             unknown_since: None,
             state: State::default(),
             complaint: Throttle::default(),
-            change: Throttle::default(),
         }
     }
 
@@ -139,31 +137,16 @@ impl Robot {
 
     /// The robot itself allows `limits` from `now` on: it acts at once, and the server hears of it with the next request.
     pub(crate) fn restrain(&mut self, now: f64, limits: LocalLimits) {
-        if limits == self.limits {
-            return;
-        }
-        let was_held = self.is_held();
-        self.limits = limits;
-        let is_held = self.is_held();
-        // A speed at which no motor turns is a hold for the server too, whatever drive it was told.
-        let limits = LocalLimits { hold: is_held, ..limits };
-        self.actuation.restrain(limits, self.exchange.newest_sequence());
-        self.exchange.restrain(limits);
-        if let Some(unsaid) = self.change.ask(now) {
-            let max_speed = limits.max_speed;
-            match (was_held, is_held) {
-                (false, true) => {
-                    warn!(unsaid, max_speed, "the robot itself holds: ramping to rest")
-                }
-                (true, false) => info!(unsaid, max_speed, "the robot itself no longer holds"),
-                _ => info!(unsaid, max_speed, "the robot itself allows another speed"),
-            }
+        if self.restraint.take(now, limits, &self.drive) {
+            let limits = self.restraint.limits();
+            self.actuation.restrain(limits, self.exchange.newest_sequence());
+            self.exchange.restrain(limits);
         }
     }
 
     /// Whether the robot itself holds.
     pub(crate) fn is_held(&self) -> bool {
-        self.limits.is_hold(&self.drive)
+        self.restraint.limits().hold
     }
 
     /// Lets happen what is due by `now`: the wheel speeds to apply from now on.
@@ -361,7 +344,7 @@ impl Robot {
         self.epochs_before += 1;
         self.epoch_began = now;
         self.exchange = Exchange::new(now);
-        self.exchange.restrain(LocalLimits { hold: self.is_held(), ..self.limits });
+        self.exchange.restrain(self.restraint.limits());
         self.actuation.restart_sequences();
         self.upward.clear();
         self.downward.clear();

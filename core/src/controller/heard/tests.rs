@@ -108,7 +108,7 @@ impl Closed {
         }
     }
 
-    fn to_full_speed(&mut self) {
+    fn speed_up(&mut self) {
         self.run(20.0, |it| it.twist().linear > 0.129);
         assert!(self.twist().linear > 0.129, "{:?}", self.controller.progress());
     }
@@ -132,7 +132,7 @@ impl Closed {
 fn a_robot_that_holds_rests_at_once_and_shows_it() {
     for attribution in [Attribution::Sent, Attribution::Played] {
         let mut closed = Closed::new(attribution);
-        closed.to_full_speed();
+        closed.speed_up();
         let drive = Drive::default();
         let stopping = drive.stopping_time(closed.twist());
         closed.restrain(HOLD);
@@ -198,7 +198,7 @@ fn a_slower_speed_is_kept_planned_with_and_teaches_nothing_false() {
         let far = vec![Point::new(1.5, 0.0)];
         closed.controller.set_task(Task { waypoints: far, calibration: None, ..Task::thesis() });
         for _ in 0..3 {
-            closed.to_full_speed();
+            closed.speed_up();
             closed.restrain(LocalLimits { hold: false, max_speed: Some(0.05) });
             closed.run(0.08 / 0.3 + SLOT, |_| false);
             closed.run(1.5, |it| it.twist().linear > 0.05 + 1e-9);
@@ -219,7 +219,7 @@ fn a_slower_speed_is_kept_planned_with_and_teaches_nothing_false() {
 #[test]
 fn a_controller_that_begins_anew_keeps_a_hold() {
     let mut closed = Closed::new(Attribution::Sent);
-    closed.to_full_speed();
+    closed.speed_up();
     closed.restrain(HOLD);
     closed.run(1.0, |_| false);
     let (settings, task) = (*closed.controller.settings(), closed.controller.task().cloned());

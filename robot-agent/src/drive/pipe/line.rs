@@ -68,7 +68,10 @@ pub(super) enum LineError {
     OutOfRange { field: &'static str, value: f64, min: f64, max: f64 },
     #[error("t_s is {by} s in the future: use the clock of this host, Python's time.monotonic()")]
     Future { by: f64 },
-    #[error("t_s is {by} s ago: a pose older than {TOO_OLD} s is of no use")]
+    #[error(
+        "t_s is {by} s ago: a pose older than {TOO_OLD} s is of no use. Stamp it with this host's monotonic clock, write \
+         it when it is taken and flush it"
+    )]
     TooOld { by: f64 },
     #[error("t_s is {taken}, it must be later than the {newest} before it")]
     NotNewer { taken: f64, newest: f64 },

@@ -1,11 +1,13 @@
-//! Wheel speeds as lines, and the thread that writes them: the newest line replaces one that is not written yet.
+//! Wheel speeds as lines, and the thread that writes them: the newest line replaces those that are not written yet.
 //!
 //! What a motor driver has not read is of no use any more once there is something newer. So the loop never waits for
-//! the output and nothing piles up behind a slow reader, however many changes a burst of poses makes. A line of which
-//! a part is written is always finished first.
+//! the output and nothing piles up behind a slow reader, however many changes a burst of poses makes. A few lines may
+//! wait all the same: a thread that is scheduled late then leaves no hole in a ramp. A line of which a part is written is
+//! always finished first.
 
 use crate::drive::DriveError;
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -16,6 +18,9 @@ use umwelt_core::kinematics;
 
 /// Time in s for which a line may wait to be written: beyond it the output is blocked.
 pub(super) const BLOCKED: f64 = 0.5;
+
+/// Most lines that wait: two slots and a half of a ramp, which is a line every 10 ms. One more replaces them all.
+const KEPT: usize = 8;
 
 /// Longest time in s that counts as waiting between two lines. A process that was suspended finds its writer no less
 /// suspended: that time proves nothing.
@@ -70,10 +75,16 @@ impl Output {
     }
 }
 
-/// The line that is to be written next.
-type Place = Arc<Mutex<Option<Vec<u8>>>>;
+/// The lines that are to be written next, and how many have been taken.
+#[derive(Debug, Default)]
+struct Waiting {
+    lines: VecDeque<Vec<u8>>,
+    taken: u64,
+}
 
-/// Puts lines; each replaces the one that nobody has taken yet.
+type Place = Arc<Mutex<Waiting>>;
+
+/// Puts lines; a newer one replaces those that nobody has taken in time.
 #[derive(Debug)]
 pub(super) struct Putter {
     place: Place,
@@ -82,6 +93,8 @@ pub(super) struct Putter {
     /// Robot time in s of the last line, and for how long lines have waited by then.
     last: f64,
     waited: f64,
+    /// How many had been taken then.
+    taken: u64,
 }
 
 /// Takes lines; they end once the [`Putter`] is gone.
@@ -95,8 +108,13 @@ pub(super) struct Taker {
 pub(super) fn newest_line() -> (Putter, Taker) {
     let place = Place::default();
     let (ring, bell) = mpsc::channel(1);
-    let putter =
-        Putter { place: Arc::clone(&place), bell: ring, last: f64::NEG_INFINITY, waited: 0.0 };
+    let putter = Putter {
+        place: Arc::clone(&place),
+        bell: ring,
+        last: f64::NEG_INFINITY,
+        waited: 0.0,
+        taken: 0,
+    };
     (putter, Taker { place, bell })
 }
 
@@ -106,12 +124,16 @@ impl Putter {
     /// # Errors
     /// Where nobody takes lines any more, or none has been taken for [`BLOCKED`] s.
     pub(super) fn put(&mut self, now: f64, line: Vec<u8>) -> Result<(), DriveError> {
-        let older = self.place.lock().unwrap_or_else(PoisonError::into_inner).replace(line);
-        self.waited = match older {
-            Some(_) => self.waited + (now - self.last).clamp(0.0, COUNTED),
-            None => 0.0,
-        };
-        self.last = now;
+        let mut waiting = self.place.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_stuck = !waiting.lines.is_empty() && waiting.taken == self.taken;
+        self.waited =
+            if is_stuck { self.waited + (now - self.last).clamp(0.0, COUNTED) } else { 0.0 };
+        (self.last, self.taken) = (now, waiting.taken);
+        if waiting.lines.len() >= KEPT {
+            waiting.lines.clear();
+        }
+        waiting.lines.push_back(line);
+        drop(waiting);
         match self.bell.try_send(()) {
             Err(mpsc::error::TrySendError::Closed(())) => Err(DriveError::OutputClosed),
             _ if self.waited >= BLOCKED => Err(DriveError::OutputBlocked),
@@ -122,18 +144,21 @@ impl Putter {
 
 impl Taker {
     fn take(&self) -> Option<Vec<u8>> {
-        self.place.lock().unwrap_or_else(PoisonError::into_inner).take()
+        let mut waiting = self.place.lock().unwrap_or_else(PoisonError::into_inner);
+        let line = waiting.lines.pop_front()?;
+        waiting.taken += 1;
+        Some(line)
     }
 
     /// The next line, when it comes.
     #[cfg(test)]
     pub(super) async fn next(&mut self) -> Option<Vec<u8>> {
-        while self.bell.recv().await.is_some() {
+        loop {
             if let Some(line) = self.take() {
                 return Some(line);
             }
+            self.bell.recv().await?;
         }
-        None
     }
 
     /// Writes each line at once, until there are no more or nobody reads them.
@@ -141,13 +166,14 @@ impl Taker {
     /// # Errors
     /// What the writer says.
     pub(super) fn write_to(mut self, mut writer: impl Write) -> io::Result<()> {
-        while self.bell.blocking_recv().is_some() {
-            // Two lines may have come for one word.
-            if let Some(line) = self.take() {
+        loop {
+            while let Some(line) = self.take() {
                 write_whole(&mut writer, &line)?;
             }
+            if self.bell.blocking_recv().is_none() {
+                return Ok(());
+            }
         }
-        Ok(())
     }
 }
 
@@ -212,16 +238,37 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_newest_line_replaces_the_one_that_nobody_took() {
+    async fn the_newest_line_replaces_those_that_nobody_took_in_time() {
         let (mut putter, mut taker) = newest_line();
-        for line in ["one", "two", "three"] {
+        for line in ["one", "two"] {
             putter.put(0.0, line.into()).unwrap();
         }
-        assert_eq!(taker.next().await.as_deref(), Some(b"three".as_slice()));
-        putter.put(0.1, "four".into()).unwrap();
+        assert_eq!(taker.next().await.as_deref(), Some(b"one".as_slice()));
+        for _ in 0..KEPT - 1 {
+            putter.put(0.1, "old".into()).unwrap();
+        }
+        putter.put(0.1, "newest".into()).unwrap();
         drop(putter);
-        assert_eq!(taker.next().await.as_deref(), Some(b"four".as_slice()));
+        assert_eq!(taker.next().await.as_deref(), Some(b"newest".as_slice()));
         assert_eq!(taker.next().await, None);
+    }
+
+    /// However far behind the reader is, it gets the end, and no more than a few lines before it.
+    #[tokio::test]
+    async fn a_burst_leaves_a_few_lines_and_the_last_of_them_is_the_newest() {
+        let (mut putter, mut taker) = newest_line();
+        for number in 0..1003 {
+            putter.put(0.0, format!("{number}").into()).unwrap();
+        }
+        drop(putter);
+        let mut lines = Vec::new();
+        while let Some(line) = taker.next().await {
+            lines.push(String::from_utf8(line).unwrap());
+        }
+        assert!(
+            lines.len() <= KEPT && lines.last().is_some_and(|line| line == "1002"),
+            "{lines:?}"
+        );
     }
 
     /// However many lines come in however short a time: only waiting counts.
