@@ -11,6 +11,7 @@ mod route;
 use crate::robot::{self, DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
 use crate::{environment, event, health, step, stop, task};
 use route::{Route, integer, text};
+use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{ComponentsBuilder, InfoBuilder, LicenseBuilder, OpenApi, OpenApiBuilder};
 use utoipa::openapi::{PathsBuilder, RefOr, Schema, tag::TagBuilder};
 
@@ -19,6 +20,9 @@ is identified of the floor and the link.\n\nJSON in snake_case; every quantity n
 `heading_rad`, `left_rad_per_s`). Times that end in `_s` and mark a moment are the robot's own monotonic clock. \
 Unknown fields are refused in requests and must be ignored in responses: the contract only grows. Every problem of \
 a request is reported at once. Only UNAVAILABLE is retried by itself.";
+
+/// How a request shows that it may, to a server that has a token.
+const BEARER: &str = "bearer";
 
 const TAGS: [(&str, &str); 10] = [
     ("robots", "A robot: drive, limits, noise, method, prior; and how it is now"),
@@ -57,10 +61,16 @@ pub fn document() -> OpenApi {
         .description(Some(ABOUT))
         .license(Some(license))
         .build();
+    // Without a token where the server has none.
+    let bearer = SecurityRequirement::new::<_, [&str; 0], &str>(BEARER, []);
+    let scheme = SecurityScheme::Http(HttpBuilder::new().scheme(HttpAuthScheme::Bearer).build());
+    let components =
+        ComponentsBuilder::new().schemas_from_iter(schemas).security_scheme(BEARER, scheme);
     OpenApiBuilder::new()
         .info(info)
         .paths(paths.build())
-        .components(Some(ComponentsBuilder::new().schemas_from_iter(schemas).build()))
+        .components(Some(components.build()))
+        .security(Some([SecurityRequirement::default(), bearer]))
         .tags(Some(tags))
         .build()
 }
