@@ -208,12 +208,14 @@ impl Door {
     /// Serves the connection, or tells it that there are too many, or closes it.
     fn admit(&self, stream: TcpStream) {
         let serve = |router: &Router, permit: OwnedSemaphorePermit, lifetime: Duration| {
+            // Nobody is told that a connection is kept for longer than it is.
+            let times = Times { idle: self.times.idle.min(lifetime), ..self.times };
             let connection = connection::serve(
                 stream,
                 router.clone(),
                 Arc::clone(&self.builder),
                 self.graceful.watcher(),
-                self.times,
+                times,
             );
             tokio::spawn(async move {
                 // Cut off where it lasts longer.

@@ -79,8 +79,10 @@ async fn half_open_connections_are_refused_politely_and_make_room_in_time() {
         stream.write_all(bytes.as_bytes()).await.unwrap();
         silent.push(stream);
     }
-    let refused = request(address, "GET", "/healthz", "").await;
+    let ask = b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n";
+    let refused = talk(address, ask).await;
     assert!(refused.starts_with("HTTP/1.1 429"), "{refused}");
+    assert!(refused.contains("keep-alive: timeout=1\r\n"), "it is not kept: {refused}");
     assert!(refused.contains("LIMIT_REACHED") && refused.contains("retry-after: 1"), "{refused}");
     for mut stream in silent {
         let mut rest = Vec::new();
