@@ -12,6 +12,7 @@ mod route;
 use crate::robot::{self, DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE};
 use crate::{environment, event, health, step, stop, task};
 use route::Route;
+use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{ComponentsBuilder, InfoBuilder, LicenseBuilder, OpenApi, OpenApiBuilder};
 use utoipa::openapi::{PathsBuilder, RefOr, Schema, tag::TagBuilder};
 
@@ -22,6 +23,9 @@ Unknown fields are refused in requests and must be ignored in responses: the con
 goes both ways has a schema for each. Lists are never taken for objects; whole numbers may be written as 20.0. Every \
 problem of a request is reported at once: 400 where a schema says no, 409 where all schemas say yes and the state, the \
 names that there are, or another field of the same body says no. Only UNAVAILABLE is retried by itself.";
+
+/// How a request shows that it may, to a server that has a token.
+const BEARER: &str = "bearer";
 
 const TAGS: [(&str, &str); 10] = [
     ("robots", "A robot: drive, limits, noise, method, prior; and how it is now"),
@@ -60,10 +64,16 @@ pub fn document() -> OpenApi {
         .description(Some(ABOUT))
         .license(Some(license))
         .build();
+    // Without a token where the server has none.
+    let bearer = SecurityRequirement::new::<_, [&str; 0], &str>(BEARER, []);
+    let scheme = SecurityScheme::Http(HttpBuilder::new().scheme(HttpAuthScheme::Bearer).build());
+    let components =
+        ComponentsBuilder::new().schemas_from_iter(schemas).security_scheme(BEARER, scheme);
     let mut document = OpenApiBuilder::new()
         .info(info)
         .paths(paths.build())
-        .components(Some(ComponentsBuilder::new().schemas_from_iter(schemas).build()))
+        .components(Some(components.build()))
+        .security(Some([SecurityRequirement::default(), bearer]))
         .tags(Some(tags))
         .build();
     requests::close(&mut document);

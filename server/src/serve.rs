@@ -241,7 +241,9 @@ impl Door {
 
     fn serve(&self, stream: TcpStream, place: Place, router: &Router, lifetime: Duration) {
         let (router, builder) = (router.clone(), Arc::clone(&self.builder));
-        let (watcher, times) = (self.graceful.watcher(), self.times);
+        // Nobody is told that a connection is kept for longer than it is.
+        let times = Times { idle: self.times.idle.min(lifetime), ..self.times };
+        let watcher = self.graceful.watcher();
         let frames = self.control_frames_per_s;
         tokio::spawn(async move {
             let connection =
