@@ -83,10 +83,10 @@ pub(crate) async fn serve(
     }
     let has_begun = Arc::new(AtomicBool::new(false));
     let begun = Arc::clone(&has_begun);
-    let (peer, line) = (place.peer(), Arc::clone(place.line()));
+    let (peer, activity) = (place.peer(), Arc::clone(place.activity()));
     let service = tower::service_fn(move |request: axum::http::Request<_>| {
         begun.store(true, Ordering::Relaxed);
-        let tracked = line.tracked();
+        let tracked = activity.tracked();
         let mut request = request.map(Body::new);
         request.extensions_mut().insert(peer);
         let answer = router.clone().oneshot(request);
