@@ -116,11 +116,11 @@ pub(crate) async fn serve(
     let limits = Limits { idle: times.idle + GRACE, header: times.first_request };
     let stream = Patient::new(stream, Arc::clone(&activity), limits);
     let keep_alive = keep_alive(times.idle);
-    let (peer, line) = (place.peer(), Arc::clone(place.line()));
+    let (peer, place_activity) = (place.peer(), Arc::clone(place.activity()));
     let service = service_fn(move |request: Request<_>| {
         begun.store(true, Ordering::Relaxed);
         let answering = activity.begin(request.version() == Version::HTTP_2);
-        let tracked = line.tracked();
+        let tracked = place_activity.tracked();
         let keep_alive = keep_alive.clone().filter(|_| is_kept(&request));
         let mut request = request.map(Body::new);
         request.extensions_mut().insert(peer);

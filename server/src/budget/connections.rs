@@ -17,14 +17,14 @@ pub(crate) struct Connections(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
-    ledger: Mutex<Ledger<Arc<Line>>>,
+    ledger: Mutex<Ledger<Arc<Activity>>>,
     /// How long one must have been idle before it can be made to give way.
     idle: Duration,
 }
 
 /// What a connection is doing.
 #[derive(Debug)]
-pub(crate) struct Line {
+pub(crate) struct Activity {
     /// Requests that are not answered in full.
     requests: AtomicUsize,
     born: Instant,
@@ -39,12 +39,12 @@ pub(crate) struct Place {
     connections: Connections,
     peer: Peer,
     id: u64,
-    line: Arc<Line>,
+    activity: Arc<Activity>,
 }
 
 /// While this lives, a request is being answered.
 #[derive(Debug)]
-struct Busy(Arc<Line>);
+struct Busy(Arc<Activity>);
 
 impl Connections {
     /// So many places. A connection without a request for `idle` gives its place to a new one where there is none left.
@@ -58,14 +58,14 @@ impl Connections {
         while let Some(scope) = ledger.exceeded(peer, 1) {
             ledger.evict(peer, scope, |account| self.longest_idle(account))?.evicted.notify_one();
         }
-        let line = Arc::new(Line::new());
-        let id = ledger.join(peer, 1, Arc::clone(&line));
+        let activity = Arc::new(Activity::new());
+        let id = ledger.join(peer, 1, Arc::clone(&activity));
         drop(ledger);
-        Some(Place { connections: self.clone(), peer, id, line })
+        Some(Place { connections: self.clone(), peer, id, activity })
     }
 
-    fn longest_idle(&self, account: &Account<Arc<Line>>) -> Option<u64> {
-        let idle = |(id, held): (&u64, &Holding<Arc<Line>>)| {
+    fn longest_idle(&self, account: &Account<Arc<Activity>>) -> Option<u64> {
+        let idle = |(id, held): (&u64, &Holding<Arc<Activity>>)| {
             let idle = held.holder.idle()?;
             (idle >= self.0.idle).then_some((idle, *id))
         };
@@ -78,7 +78,7 @@ impl Connections {
         longest.map(|(_, id)| id)
     }
 
-    fn ledger(&self) -> MutexGuard<'_, Ledger<Arc<Line>>> {
+    fn ledger(&self) -> MutexGuard<'_, Ledger<Arc<Activity>>> {
         // No call panics between two changes, so a poisoned ledger is whole.
         self.0.ledger.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -91,13 +91,13 @@ impl Place {
     }
 
     /// What the connection does.
-    pub(crate) fn line(&self) -> &Arc<Line> {
-        &self.line
+    pub(crate) fn activity(&self) -> &Arc<Activity> {
+        &self.activity
     }
 
     /// Returns when the connection is to give way.
     pub(crate) async fn evicted(&self) {
-        self.line.evicted.notified().await;
+        self.activity.evicted.notified().await;
     }
 }
 
@@ -107,7 +107,7 @@ impl Drop for Place {
     }
 }
 
-impl Line {
+impl Activity {
     fn new() -> Self {
         Self {
             requests: AtomicUsize::new(0),
@@ -203,10 +203,10 @@ mod tests {
         let connections = connections(4, 3);
         let greedy: Vec<_> = (0..3).map(|_| connections.admit(peer(1)).unwrap()).collect();
         let _modest = connections.admit(peer(2)).unwrap();
-        let answer = greedy[0].line().tracked()(());
+        let answer = greedy[0].activity().tracked()(());
         tokio::time::advance(IDLE / 2).await;
         // One request that has been answered: it has not been idle for as long as the third.
-        drop(greedy[1].line().tracked()(()));
+        drop(greedy[1].activity().tracked()(()));
         assert!(connections.admit(peer(3)).is_none(), "none has been idle for long enough");
         tokio::time::advance(IDLE).await;
         let _third = connections.admit(peer(3)).unwrap();

@@ -15,6 +15,9 @@ use umwelt_server::Config;
 /// Long enough for a busy machine; nothing here waits for it where all is well.
 const PATIENCE: Duration = Duration::from_secs(30);
 
+/// A peer that answers no pings is cut off after 20 s anyway.
+const BEFORE_PINGS: Duration = Duration::from_secs(15);
+
 const PREFACE: &[u8] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0";
 
 /// A connection of the peer 127.0.0.`peer`.
@@ -185,13 +188,15 @@ async fn flood(address: SocketAddr, begin: Vec<u8>, frames: Vec<u8>) {
         while write.write_all(&frames).await.is_ok() {}
     };
     let ended = async { tokio::join!(reading, writing) };
-    tokio::time::timeout(PATIENCE, ended).await.expect("a flood ends its connection");
+    tokio::time::timeout(BEFORE_PINGS, ended).await.expect("a flood ends its connection");
 }
 
 /// The bug to fear: a connection that only sends control frames takes all the time there is.
 #[tokio::test]
 async fn a_flood_of_control_frames_ends_its_connection_and_no_other() {
-    let (address, _server) = serve(config()).await;
+    // Nothing else ends them in time.
+    let (header_timeout, body_timeout) = (10 * PATIENCE, 10 * PATIENCE);
+    let (address, _server) = serve(Config { header_timeout, body_timeout, ..config() }).await;
     let settings = frame(4, 0, &[0, 3, 0, 0, 0, 100]);
     let step = b"\x83\x86\x04\x12/v1/robots/r0/step\x01\x01x";
     let step = [&[0, 0, step.len() as u8, 1, 4, 0, 0, 0, 1][..], step].concat();
