@@ -252,11 +252,18 @@ pub struct Said {
     /// Replies that arrived: how many requests ago, and their loop delay in s.
     pub deliveries: Vec<(u64, f64)>,
     pub plays: Plays,
+    /// Whether the robot itself holds, and the speed in m/s that it allows.
+    pub allows: (bool, Option<f64>),
 }
 
 fn pause() -> impl Strategy<Value = f64> {
     let jump = magnitude(Range::new(1.0, CLOCK.max - CLOCK.min, "s"));
     prop_oneof![12 => Just(SLOT), 4 => 0.0..0.5f64, 3 => magnitude(PAUSE), 1 => jump]
+}
+
+fn allows() -> impl Strategy<Value = (bool, Option<f64>)> {
+    let slower = prop_oneof![0.0..1.0f64, within(step::MAX_SPEED)].prop_map(Some);
+    prop_oneof![12 => Just((false, None)), 1 => Just((true, None)), 2 => (Just(false), slower)]
 }
 
 fn said() -> impl Strategy<Value = Said> {
@@ -274,14 +281,16 @@ fn said() -> impl Strategy<Value = Said> {
         4 => prop::collection::vec(delivery.clone(), 0..2),
         1 => prop::collection::vec(delivery, 0..=MAX_DELIVERIES),
     ];
-    (pause(), gap, age, prop_oneof![4 => few, 1 => many], deliveries, plays()).prop_map(
-        |(pause, gap, age, poses, deliveries, plays)| Said {
+    let poses = prop_oneof![4 => few, 1 => many];
+    (pause(), gap, age, poses, deliveries, plays(), allows()).prop_map(
+        |(pause, gap, age, poses, deliveries, plays, allows)| Said {
             pause,
             gap: gap as u64,
             age,
             poses,
             deliveries,
             plays,
+            allows,
         },
     )
 }

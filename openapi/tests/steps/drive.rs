@@ -95,6 +95,7 @@ impl Agent {
             "sequence": self.sequence, "epoch": 1, "sent_s": sent,
             "observations": self.observations(sent, said.age, said.poses),
             "deliveries": deliveries, "playing": self.playing(sent, &said.plays),
+            "hold": said.allows.0, "max_speed_m_per_s": said.allows.1,
         });
         let request = Request::read(request.to_string().as_bytes());
         request.and_then(|request| request.to_core()).unwrap()

@@ -26,6 +26,10 @@ const BEFORE: f64 = 1e-6;
 #[derive(Debug, Default)]
 pub struct Judge {
     answered: Vec<Horizon>,
+    /// How many of them the robot has let go of: it came to rest on its own.
+    let_go: usize,
+    was_playing: bool,
+    was_held: bool,
 }
 
 impl Judge {
@@ -36,6 +40,11 @@ impl Judge {
         request: &Request,
         horizon: &Horizon,
     ) -> TestCaseResult {
+        let (is_playing, is_held) = (request.playing.is_some(), controller.is_held());
+        if (self.was_playing && !is_playing) || (is_held && !self.was_held) {
+            self.let_go = self.answered.len();
+        }
+        (self.was_playing, self.was_held) = (is_playing, is_held);
         self.times(request, horizon)?;
         let settings = controller.settings();
         let count = horizon.speeds.len();
@@ -45,7 +54,7 @@ impl Judge {
             self.follows(&settings.drive, horizon.start, twists[0])?;
         }
         self.answered.push(horizon.clone());
-        if controller.is_stopped() {
+        if controller.is_stopped() || is_held {
             comes_to_rest(&settings.drive, &twists)?;
         }
         let seen = controller.pose();
@@ -66,7 +75,9 @@ impl Judge {
         prop_assert!(start >= sent, "it begins at {start} s, sent at {sent} s");
         let latest = sent + LOOP_DELAY.max.max(SLOT) + ROUNDING * (1.0 + sent.abs());
         prop_assert!(start <= latest, "it begins at {start} s, sent at {sent} s");
-        let before = self.answered.last().map_or(f64::NEG_INFINITY, |before| before.start);
+        // What a robot that rests on its own has let go of never begins.
+        let before = self.answered[self.let_go..].last();
+        let before = before.map_or(f64::NEG_INFINITY, |before| before.start);
         prop_assert!(start >= before, "it begins at {start} s, the one before at {before} s");
         Ok(())
     }
@@ -74,9 +85,9 @@ impl Judge {
     /// It goes on from what was in force before it, as the robot plays what it was sent.
     fn follows(&self, drive: &Drive, start: f64, first: Twist) -> TestCaseResult {
         let time = start - BEFORE;
-        let recent = self.answered.iter().rev().take(REMEMBERED);
+        let recent = self.answered[self.let_go..].iter().rev().take(REMEMBERED);
         let before = recent.clone().find(|horizon| horizon.start <= time + ROUNDING);
-        if before.is_none() && recent.count() == REMEMBERED {
+        if before.is_none() && (self.let_go > 0 || recent.count() == REMEMBERED) {
             return Ok(());
         }
         let before =
