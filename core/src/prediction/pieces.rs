@@ -12,10 +12,16 @@ const LONGEST: f64 = 0.3;
 /// camera's noise. Turns in place and straight motions are always alike.
 const ALIKE: f64 = 0.004;
 
+/// Most pieces that go in by themselves; more are gathered after them. Fifteen seconds of slots: a robot that was not seen
+/// for longer may be anywhere, and ten thousand agents must not be moved ten thousand times.
+const MOST_APART: u32 = 500;
+
 /// Gathers pieces that follow each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Pieces {
     longest: f64,
+    /// How many more go in by themselves.
+    apart: u32,
     first: Twist,
     gathered: Motion,
 }
@@ -23,12 +29,12 @@ pub struct Pieces {
 impl Pieces {
     /// None yet; those that are alike go in as one.
     pub fn gathered() -> Self {
-        Self { longest: LONGEST, first: Twist::ZERO, gathered: Motion::NONE }
+        Self { longest: LONGEST, apart: 0, first: Twist::ZERO, gathered: Motion::NONE }
     }
 
-    /// None yet; each goes in by itself.
+    /// None yet; each goes in by itself, up to [`MOST_APART`].
     pub fn apart() -> Self {
-        Self { longest: 0.0, ..Self::gathered() }
+        Self { longest: 0.0, apart: MOST_APART, ..Self::gathered() }
     }
 
     /// Takes in the motion of holding `twist` for `duration` s. Returns what was gathered before where that ends here.
@@ -44,6 +50,10 @@ impl Pieces {
         if begun && apart <= ALIKE && self.gathered.duration + duration <= self.longest {
             self.gathered = self.gathered.then(next);
             return None;
+        }
+        if self.apart > 0 {
+            self.apart -= 1;
+            self.longest = if self.apart == 0 { LONGEST } else { self.longest };
         }
         let ended = std::mem::replace(&mut self.gathered, next);
         self.first = twist;
@@ -83,6 +93,17 @@ mod tests {
             let twists: Vec<_> = (1..6).map(|times| twist.scaled(f64::from(times))).collect();
             assert_eq!(gather(Pieces::gathered(), &twists).len(), 1);
         }
+    }
+
+    /// The bug to fear: a robot that brakes for minutes unseen costs as many moves of all agents as its ramp has steps.
+    #[test]
+    fn however_many_pieces_there_are_few_motions_come_of_them() {
+        let most = MOST_APART as usize;
+        assert_eq!(gather(Pieces::apart(), &vec![Twist::new(0.1, 0.2); most]).len(), most);
+        let motions = gather(Pieces::apart(), &vec![Twist::new(0.1, 0.2); 20 * most]);
+        assert!(motions.len() < 4 * most, "{}", motions.len());
+        let driven: f64 = motions.iter().map(|motion| motion.duration).sum();
+        assert!((driven - 20.0 * MOST_APART as f64 * SLOT).abs() < 1e-6, "none is left out");
     }
 
     #[test]
