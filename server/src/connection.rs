@@ -38,10 +38,8 @@ const CONNECTION_WINDOW: u32 = 128 * 1024;
 /// What may wait on one stream to be sent; a horizon of forty slots has 3 kB.
 const SEND_BUFFER: usize = 64 * 1024;
 
-/// Streams that a peer has reset before they were looked at, and such that the server had to reset for the peer's
-/// mistakes, each before the connection ends.
+/// Streams that a peer has reset before they were looked at; the connection ends beyond them.
 const MAX_PENDING_RESETS: usize = 20;
-const MAX_MISTAKES: usize = 128;
 
 /// A silent HTTP/2 connection is pinged after this long, and closed after as long again without an answer.
 /// Together above the 12 s for which Wi-Fi to a moving robot has been seen to stall.
@@ -89,7 +87,6 @@ pub(crate) fn builder(config: &Config) -> Builder<TokioExecutor> {
         .initial_connection_window_size(CONNECTION_WINDOW)
         .max_send_buf_size(SEND_BUFFER)
         .max_pending_accept_reset_streams(MAX_PENDING_RESETS)
-        .max_local_error_reset_streams(MAX_MISTAKES)
         .max_header_list_size(MAX_HEADER as u32)
         .keep_alive_interval(PING)
         .keep_alive_timeout(PING);

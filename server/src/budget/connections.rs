@@ -11,6 +11,10 @@ use std::time::Duration;
 use tokio::sync::Notify;
 use tokio::time::Instant;
 
+/// A connection that has brought more requests than this is in use, and gives way after those that are not: the one of
+/// a robot that was silent for a while is worth more than one that was only opened.
+const FEW: usize = 8;
+
 /// Places for connections; cheap to clone.
 #[derive(Clone, Debug)]
 pub(crate) struct Connections(Arc<Inner>);
@@ -27,6 +31,8 @@ struct Inner {
 pub(crate) struct Activity {
     /// Requests that are not answered in full.
     requests: AtomicUsize,
+    /// Requests that have been answered.
+    answered: AtomicUsize,
     born: Instant,
     /// Milliseconds after `born` at which the last request was answered.
     idle_since: AtomicU64,
@@ -67,7 +73,8 @@ impl Connections {
     fn longest_idle(&self, account: &Account<Arc<Activity>>) -> Option<u64> {
         let idle = |(id, held): (&u64, &Holding<Arc<Activity>>)| {
             let idle = held.holder.idle()?;
-            (idle >= self.0.idle).then_some((idle, *id))
+            let rank = (!held.holder.is_in_use(), idle);
+            (idle >= self.0.idle).then_some((rank, *id))
         };
         // Of those that have been idle equally long the first that came.
         let longest = account
@@ -111,6 +118,7 @@ impl Activity {
     fn new() -> Self {
         Self {
             requests: AtomicUsize::new(0),
+            answered: AtomicUsize::new(0),
             born: Instant::now(),
             idle_since: AtomicU64::new(0),
             evicted: Notify::new(),
@@ -122,6 +130,11 @@ impl Activity {
         self.requests.fetch_add(1, Ordering::Relaxed);
         let busy = Busy(Arc::clone(self));
         move |body| Tracked { body, _busy: busy }
+    }
+
+    /// Whether somebody uses it for more than a few requests, as an agent does.
+    fn is_in_use(&self) -> bool {
+        self.answered.load(Ordering::Relaxed) > FEW
     }
 
     /// For how long there has been no request; none while there is one.
@@ -136,6 +149,7 @@ impl Drop for Busy {
     fn drop(&mut self) {
         let now = u64::try_from(self.0.born.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.0.idle_since.store(now, Ordering::Relaxed);
+        self.0.answered.fetch_add(1, Ordering::Relaxed);
         self.0.requests.fetch_sub(1, Ordering::Relaxed);
     }
 }
@@ -218,6 +232,23 @@ mod tests {
         drop(answer);
         tokio::time::advance(IDLE / 2).await;
         assert!(connections.admit(peer(5)).is_some(), "somebody with one place for one with none");
+    }
+
+    /// The bug to fear: robots that were silent for a moment lose their connections to somebody who only opens some.
+    #[tokio::test(start_paused = true)]
+    async fn a_connection_in_use_gives_way_after_those_that_were_only_opened() {
+        let connections = connections(3, 3);
+        let robot = connections.admit(peer(1)).unwrap();
+        for _ in 0..=FEW {
+            drop(robot.activity().tracked()(()));
+        }
+        tokio::time::advance(IDLE).await;
+        let opened: Vec<_> = (0..2).map(|_| connections.admit(peer(1)).unwrap()).collect();
+        tokio::time::advance(IDLE).await;
+        let _new: Vec<_> = (0..2).map(|_| connections.admit(peer(1)).unwrap()).collect();
+        assert!(opened.iter().all(is_evicted) && !is_evicted(&robot));
+        let _last = connections.admit(peer(1)).unwrap();
+        assert!(is_evicted(&robot), "where there is no other");
     }
 
     /// The bug to fear: a place that is given back twice, by who had to give way and by who ends.
