@@ -133,6 +133,18 @@ fn a_log_that_is_removed_takes_nothing_with_it() {
 }
 
 #[test]
+fn a_store_is_tidied_up_into_one_file() {
+    let directory = tempdir().unwrap();
+    let store = open(&directory);
+    store.commit(vec![robot("r", 1)]).unwrap();
+    let log = log_of(&directory);
+    assert!(fs::metadata(&log).unwrap().len() > 0);
+    store.settle().unwrap();
+    assert_eq!(fs::metadata(&log).unwrap().len(), 0);
+    assert_eq!(store.load().unwrap().robots.len(), 1);
+}
+
+#[test]
 fn the_log_goes_into_the_file_once_nothing_is_written() {
     let directory = tempdir().unwrap();
     let idle = Duration::from_millis(20);
