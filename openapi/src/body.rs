@@ -19,20 +19,21 @@ use serde::de::{DeserializeOwned, Error};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use tree::Node;
-use typed::Reader;
+use typed::{Reader, Shapes};
 
 /// Reads a type that refuses unknown fields by itself (`deny_unknown_fields`) and checks it.
 ///
 /// For types whose every part is a struct or a plain enum: within tagged enums serde takes lists for objects.
 pub(crate) fn read<T: DeserializeOwned + Checked>(json: &[u8]) -> Result<T, Problems> {
-    let body = T::deserialize(Reader(&Node::read(json)?))?;
+    let body = T::deserialize(Reader::new(&Node::read(json)?))?;
     Check::all(&body)?;
     Ok(body)
 }
 
 /// Reads a type that is part of responses too and so must itself tolerate unknown fields; refuses them here.
 ///
-/// A field is known if the type, serialised again, has it: no wire type leaves fields out.
+/// A field is known if the type names it, or has it when it is serialised again: within tagged enums only the latter
+/// can be seen, so types in them leave no field out.
 pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Checked>(
     json: &[u8],
 ) -> Result<T, Problems> {
@@ -45,10 +46,11 @@ pub(crate) fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
     resolve: impl FnOnce(&T, &mut Check) -> R,
 ) -> Result<(T, R), Problems> {
     let given = Node::read(json)?;
-    let body = T::deserialize(Reader(&given))?;
+    let shapes = Shapes::default();
+    let body = T::deserialize(Reader::noting(&given, &shapes))?;
     let known = serde_json::to_value(&body).map_err(|error| Fault::custom(error.to_string()))?;
     let mut check = Check::default();
-    same_shape(&mut check, &given, &known);
+    same_shape(&mut check, &given, &known, &shapes);
     body.check(&mut check);
     let resolved = resolve(&body, &mut check);
     check.finish()?;
@@ -56,26 +58,37 @@ pub(crate) fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
 }
 
 /// Refuses what was given and is not known, and lists in the place of objects.
-fn same_shape(check: &mut Check, given: &Node<'_>, known: &Value) {
+fn same_shape(check: &mut Check, given: &Node<'_>, known: &Value, shapes: &Shapes) {
     match (given, known) {
-        (Node::Object(given), Value::Object(known)) => only_known(check, given, known),
+        (Node::Object(fields), Value::Object(known)) => {
+            let of_type = shapes.of(given).unwrap_or_default();
+            only_known(check, fields, known, of_type, shapes);
+        }
         (Node::List(_), Value::Object(known)) => {
             let remedy = format!("use an object with {}, not a list", names(known));
             check.report(reason::MALFORMED, "", Value::Null, remedy);
         }
         (Node::List(given), Value::Array(known)) => {
             for (index, (given, known)) in given.iter().zip(known).enumerate() {
-                check.item("", index, |check| same_shape(check, given, known));
+                check.item("", index, |check| same_shape(check, given, known, shapes));
             }
         }
         _ => {}
     }
 }
 
-fn only_known(check: &mut Check, given: &[(Cow<'_, str>, Node<'_>)], known: &Map<String, Value>) {
+/// Refuses fields that neither stand in `known`, the same object said again, nor are `of_type`, which may leave some out.
+fn only_known(
+    check: &mut Check,
+    given: &[(Cow<'_, str>, Node<'_>)],
+    known: &Map<String, Value>,
+    of_type: &[&str],
+    shapes: &Shapes,
+) {
     for (name, value) in given {
         match known.get(name.as_ref()) {
-            Some(known) => check.field(name, |check| same_shape(check, value, known)),
+            Some(known) => check.field(name, |check| same_shape(check, value, known, shapes)),
+            None if of_type.contains(&name.as_ref()) => {}
             None => {
                 let remedy = format!("leave it out; known here: {}", names(known));
                 check.report(reason::UNKNOWN_FIELD, name, value.shown(), remedy);

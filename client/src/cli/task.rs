@@ -1,20 +1,22 @@
 //! `umwelt task`.
 
+mod assign;
+
 use super::failure::Failure;
 use super::input;
 use super::output::Output;
-use super::progress::{StatusLine, say, wait};
+use super::progress::{StatusLine, wait};
 use super::quantity::{self, metres, millimetres};
 use super::table::{Column, Table};
 use crate::client::Client;
 use crate::error::Error;
+use assign::assign;
 use clap::{Args, Subcommand};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval};
 use umwelt_api::RobotId;
-use umwelt_api::problem::Status;
 use umwelt_api::robot::{Robot, State};
 use umwelt_api::task::{Calibration, Spec, Stage, Task, Waypoint};
 
@@ -143,29 +145,6 @@ impl Command {
             }
         }
     }
-}
-
-/// Sets the task. The server leaves the very task that the robot has as it is; whoever says it again once the robot has
-/// arrived, or says `again`, wants to see it driven once more.
-async fn assign(client: &Client, robot: &RobotId, spec: &Spec, again: bool) -> Result<Task, Error> {
-    let before = match client.get_task(robot).await {
-        Ok(task) => Some(task.etag),
-        Err(error) if error.status() == Some(Status::NotFound) => None,
-        Err(error) => return Err(error),
-    };
-    let task = client.set_task(robot, spec).await?;
-    if before.as_ref() != Some(&task.etag) {
-        return Ok(task);
-    }
-    if !again && task.progress.stage != Stage::Arrived {
-        say(&format!(
-            "{robot} has this very task already and goes on with it; --again drives it from its beginning"
-        ));
-        return Ok(task);
-    }
-    // Only this one: another task that somebody else sets meanwhile is not cancelled.
-    client.if_match(&task.etag).cancel_task(robot).await?;
-    client.set_task(robot, spec).await
 }
 
 impl Set {
@@ -364,13 +343,7 @@ fn show(task: &Task) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_server::{Server, answer, json};
     use clap::Parser;
-    use hyper::body::Incoming;
-    use hyper::{Method, Request, StatusCode};
-    use std::sync::{Arc, Mutex};
-    use umwelt_api::ErrorBody;
-    use umwelt_api::problem::Problem;
     use umwelt_api::task::Progress;
 
     #[derive(Parser)]
@@ -432,58 +405,6 @@ mod tests {
         let turned = Calibration { angular_rad_per_s: 1.5, ..of_file };
         assert_eq!(flags("--calibration-turn 1.5").on_top_of(Some(of_file)), Some(turned));
         assert_eq!(flags("--no-calibration").on_top_of(Some(of_file)), None);
-    }
-
-    /// What is asked of a server whose robot has a task at `stage`, `same` as the one that is set or another.
-    async fn asked(stage: Option<Stage>, same: bool, again: bool) -> Vec<String> {
-        let asked = Arc::new(Mutex::new(Vec::new()));
-        let log = Arc::clone(&asked);
-        let server = Server::start(move |request: Request<Incoming>| {
-            let if_match = request.headers().get("if-match").is_some();
-            let method = request.method().clone();
-            log.lock().unwrap().push(format!("{method}{}", if if_match { " if" } else { "" }));
-            async move {
-                let had = |stage| serde_json::to_string(&task(stage, 0)).unwrap();
-                match (method, stage) {
-                    (Method::DELETE, _) => answer(StatusCode::NO_CONTENT, "text/plain", ""),
-                    (Method::GET, None) => {
-                        let problem = Problem::new(Status::NotFound, "robot a has no task");
-                        let body = serde_json::to_string(&ErrorBody::from(problem)).unwrap();
-                        json(StatusCode::NOT_FOUND, &body)
-                    }
-                    (Method::PUT, Some(stage)) if same => json(StatusCode::OK, &had(stage)),
-                    (Method::PUT, _) => {
-                        let new = had(Stage::Idle).replace("\\\"1\\\"", "2");
-                        json(StatusCode::OK, &new)
-                    }
-                    (_, stage) => json(StatusCode::OK, &had(stage.unwrap())),
-                }
-            }
-        })
-        .await;
-        let client = Client::new(&server.url).unwrap();
-        let spec = spec("--waypoint 0.2,0").unwrap();
-        assign(&client, &"a".parse().unwrap(), &spec, again).await.unwrap();
-        asked.lock().unwrap().clone()
-    }
-
-    /// The bugs to fear: "task set" after the arrival does nothing, or sends a robot that is under way back to its start.
-    #[tokio::test]
-    async fn a_task_that_is_done_is_driven_again_and_one_under_way_goes_on() {
-        let set = ["GET", "PUT"].as_slice();
-        let anew = ["GET", "PUT", "DELETE if", "PUT"].as_slice();
-        for (stage, same, again, expected) in [
-            (None, false, false, set),
-            (None, false, true, set),
-            (Some(Stage::Driving), false, false, set),
-            (Some(Stage::Driving), false, true, set),
-            (Some(Stage::Driving), true, false, set),
-            (Some(Stage::Driving), true, true, anew),
-            (Some(Stage::Arrived), true, false, anew),
-            (Some(Stage::Arrived), false, false, set),
-        ] {
-            assert_eq!(asked(stage, same, again).await, expected, "{stage:?} {same} {again}");
-        }
     }
 
     #[test]

@@ -322,3 +322,26 @@ fn many_fields_are_refused_at_once() {
     assert_eq!(step::Request::read(body.as_bytes()).unwrap_err().details()[0].field, "f0");
     assert_eq!(robot::Spec::read(body.as_bytes()).unwrap_err().len(), 20_001);
 }
+
+/// The bug to fear: a field that is left out where it has its default is unknown to whoever says the default.
+#[test]
+fn a_field_that_a_type_leaves_out_is_known_all_the_same() {
+    #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+    struct Inner {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        limit: Option<f64>,
+    }
+    #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+    struct Outer {
+        inner: Vec<Inner>,
+    }
+    impl Checked for Outer {
+        fn check(&self, _: &mut Check) {}
+    }
+    let read = |json: &str| read_shared::<Outer>(json.as_bytes());
+    let inner = |limit| Ok(Outer { inner: vec![Inner { limit }] });
+    assert_eq!(read(r#"{"inner": [{"limit": null}]}"#), inner(None));
+    assert_eq!(read(r#"{"inner": [{"limit": 1.5}]}"#), inner(Some(1.5)));
+    let unknown = read(r#"{"inner": [{"limits": null}]}"#).unwrap_err();
+    assert_eq!(unknown.details()[0].field, "inner[0].limits");
+}

@@ -10,15 +10,47 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+/// The fields that the types know of the objects that were read as structs.
+#[derive(Default)]
+pub(super) struct Shapes(RefCell<HashMap<usize, &'static [&'static str]>>);
+
+impl Shapes {
+    /// The fields of this object, if it was read as a struct.
+    pub(super) fn of(&self, object: &Node<'_>) -> Option<&'static [&'static str]> {
+        self.0.borrow().get(&place(object)).copied()
+    }
+}
+
+/// Where a value lies: the tree does not move while it is looked at.
+fn place(node: &Node<'_>) -> usize {
+    std::ptr::from_ref(node).addr()
+}
 
 /// A value that is to be read as some type.
 #[derive(Clone, Copy)]
-pub(super) struct Reader<'a, 'de>(pub(super) &'a Node<'de>);
+pub(super) struct Reader<'a, 'de> {
+    node: &'a Node<'de>,
+    /// Where is noted what is read as a struct.
+    shapes: Option<&'a Shapes>,
+}
 
-impl<'de> Reader<'_, 'de> {
+impl<'a, 'de> Reader<'a, 'de> {
+    /// Reads `node`.
+    pub(super) fn new(node: &'a Node<'de>) -> Self {
+        Self { node, shapes: None }
+    }
+
+    /// Reads `node` and notes what is read as a struct.
+    pub(super) fn noting(node: &'a Node<'de>, shapes: &'a Shapes) -> Self {
+        Self { node, shapes: Some(shapes) }
+    }
+
     /// The error of a value of another kind.
     fn is_not(self, wanted: impl std::fmt::Display) -> Fault {
-        Fault::kind(self.0.kind(), self.0.shown(), wanted)
+        Fault::kind(self.node.kind(), self.node.shown(), wanted)
     }
 
     /// The integer that it is, from `min` to `max`.
@@ -28,15 +60,15 @@ impl<'de> Reader<'_, 'de> {
             let exact = MAX_EXACT as i128;
             format!("a whole number from {} to {}", min.max(-exact), max.min(exact))
         };
-        let Node::Number(number) = self.0 else { return Err(self.is_not(wanted())) };
+        let Node::Number(number) = self.node else { return Err(self.is_not(wanted())) };
         let integer = number.integer().filter(|integer| (min..=max).contains(integer));
         integer.ok_or_else(|| {
-            Fault::value(reason::MALFORMED, self.0.shown(), format!("use {}", wanted()))
+            Fault::value(reason::MALFORMED, self.node.shown(), format!("use {}", wanted()))
         })
     }
 
     fn text<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.node {
             Node::Text(Cow::Borrowed(text)) => visitor.visit_borrowed_str(text),
             Node::Text(Cow::Owned(text)) => visitor.visit_str(text),
             _ => Err(self.is_not("a text")),
@@ -44,8 +76,8 @@ impl<'de> Reader<'_, 'de> {
     }
 
     fn list<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let Node::List(items) = self.0 else { return Err(self.is_not("a list")) };
-        visitor.visit_seq(Items { items, next: 0 })
+        let Node::List(items) = self.node else { return Err(self.is_not("a list")) };
+        visitor.visit_seq(Items { items, next: 0, shapes: self.shapes })
     }
 
     fn object<V: Visitor<'de>>(
@@ -53,8 +85,13 @@ impl<'de> Reader<'_, 'de> {
         visitor: V,
         known: &'static [&'static str],
     ) -> Result<V::Value, Fault> {
-        match self.0 {
-            Node::Object(fields) => visitor.visit_map(Fields { fields, next: 0 }),
+        match self.node {
+            Node::Object(fields) => {
+                if let Some(shapes) = self.shapes.filter(|_| !known.is_empty()) {
+                    shapes.0.borrow_mut().insert(place(self.node), known);
+                }
+                visitor.visit_map(Fields { fields, next: 0, shapes: self.shapes })
+            }
             _ if known.is_empty() => Err(self.is_not("an object")),
             _ => Err(self.is_not(format!("an object with {}", known.join(", ")))),
         }
@@ -76,7 +113,7 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
     /// For types that look at what there is. They may put it aside and read it later, so a whole number is one from
     /// the beginning.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.node {
             Node::Null => visitor.visit_unit(),
             Node::Bool(value) => visitor.visit_bool(*value),
             Node::Number(Number::Unsigned(number)) => visitor.visit_u64(*number),
@@ -106,7 +143,7 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let Node::Number(number) = self.0 else { return Err(self.is_not("a number")) };
+        let Node::Number(number) = self.node else { return Err(self.is_not("a number")) };
         visitor.visit_f64(number.float())
     }
 
@@ -115,7 +152,7 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let Node::Bool(value) = self.0 else { return Err(self.is_not("true or false")) };
+        let Node::Bool(value) = self.node else { return Err(self.is_not("true or false")) };
         visitor.visit_bool(*value)
     }
 
@@ -128,7 +165,7 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.node {
             Node::Null => visitor.visit_none(),
             _ => visitor.visit_some(self),
         }
@@ -182,7 +219,7 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.node {
             Node::Text(name) => visitor.visit_enum(Choice { name, content: None }),
             Node::Object(fields) if let [(name, content)] = &fields[..] => {
                 let chosen = visitor.visit_enum(Choice { name, content: Some(content) });
@@ -203,6 +240,7 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
 struct Items<'a, 'de> {
     items: &'a [Node<'de>],
     next: usize,
+    shapes: Option<&'a Shapes>,
 }
 
 impl<'de> SeqAccess<'de> for Items<'_, 'de> {
@@ -215,7 +253,7 @@ impl<'de> SeqAccess<'de> for Items<'_, 'de> {
         let index = self.next;
         let Some(item) = self.items.get(index) else { return Ok(None) };
         self.next += 1;
-        let read = seed.deserialize(Reader(item)).map(Some);
+        let read = seed.deserialize(Reader { node: item, shapes: self.shapes }).map(Some);
         read.map_err(|fault| fault.about(item).within(Step::Item(index)))
     }
 
@@ -228,6 +266,7 @@ impl<'de> SeqAccess<'de> for Items<'_, 'de> {
 struct Fields<'a, 'de> {
     fields: &'a [(Cow<'de, str>, Node<'de>)],
     next: usize,
+    shapes: Option<&'a Shapes>,
 }
 
 impl<'de> MapAccess<'de> for Fields<'_, 'de> {
@@ -251,7 +290,7 @@ impl<'de> MapAccess<'de> for Fields<'_, 'de> {
             return Err(serde::de::Error::custom("a field without a name"));
         };
         self.next += 1;
-        let read = seed.deserialize(Reader(value));
+        let read = seed.deserialize(Reader { node: value, shapes: self.shapes });
         read.map_err(|fault| fault.about(value).within(Step::Field(name.to_string())))
     }
 
@@ -277,7 +316,7 @@ impl<'de> EnumAccess<'de> for Choice<'_, 'de> {
 
 impl<'de> Choice<'_, 'de> {
     fn content(&self) -> Reader<'_, 'de> {
-        Reader(self.content.unwrap_or(&Node::Null))
+        Reader::new(self.content.unwrap_or(&Node::Null))
     }
 }
 
@@ -287,7 +326,7 @@ impl<'de> VariantAccess<'de> for Choice<'_, 'de> {
     fn unit_variant(self) -> Result<(), Fault> {
         match self.content {
             None => Ok(()),
-            Some(content) => Err(Reader(content).is_not("its name alone")),
+            Some(content) => Err(Reader::new(content).is_not("its name alone")),
         }
     }
 
