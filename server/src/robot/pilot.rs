@@ -8,12 +8,11 @@ use super::clock::RobotClock;
 use super::session::{Refusal, Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
 use super::stop_order::Arrival;
-use super::workers::aside;
+use super::workers::{aside, end_of_turn};
 use crate::feed::{Ring, What};
 use crate::store::Record;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::task::Poll;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::Instant;
@@ -131,20 +130,6 @@ pub(super) async fn run(mut pilot: Pilot, mut queue: mpsc::Receiver<Event>) {
         }
         end_of_turn().await;
     }
-}
-
-/// Lets the others have their turn.
-async fn end_of_turn() {
-    let mut has_waited = false;
-    std::future::poll_fn(|context| {
-        if has_waited {
-            return Poll::Ready(());
-        }
-        has_waited = true;
-        context.waker().wake_by_ref();
-        Poll::Pending
-    })
-    .await;
 }
 
 impl Pilot {

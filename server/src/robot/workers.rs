@@ -127,6 +127,20 @@ pub(super) fn aside<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
+/// Lets the others have their turn.
+pub(super) async fn end_of_turn() {
+    let mut has_waited = false;
+    std::future::poll_fn(|context| {
+        if has_waited {
+            return Poll::Ready(());
+        }
+        has_waited = true;
+        context.waker().wake_by_ref();
+        Poll::Pending
+    })
+    .await;
+}
+
 impl Pool {
     fn start(wanted: usize) -> io::Result<Self> {
         let state =
