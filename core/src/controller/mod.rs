@@ -138,8 +138,11 @@ pub struct Controller<C = Identified> {
     record: Record,
     stopped: bool,
     watch: Watch,
-    /// What was believed when the robot was last seen to move as commanded.
-    healthy: Option<[ChannelBelief; 4]>,
+    /// What was believed while the robot was still seen to move as commanded: at least so long before the last look that
+    /// found it so as a look looks back, and at that look or before.
+    healthy: Option<[[ChannelBelief; 4]; 2]>,
+    /// Robot time in s of the newer one; none for those of the beginning.
+    healthy_at: Option<f64>,
     /// What limits the speed at the start of the newest horizon.
     limit: Option<Limit>,
     /// What the robot itself allows.
@@ -172,6 +175,7 @@ impl<C: Compensation> Controller<C> {
             stopped: false,
             watch: Watch::default(),
             healthy: None,
+            healthy_at: None,
             limit: None,
             heard: Heard::default(),
         }
@@ -558,7 +562,7 @@ impl<C: Compensation> Controller<C> {
         self.record.restart_clock();
         self.watch.restart_clock();
         self.heard = Heard::default();
-        (self.healthy, self.limit) = (None, None);
+        (self.healthy, self.healthy_at, self.limit) = (None, None, None);
     }
 
     /// Back to the prior.

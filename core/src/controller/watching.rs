@@ -23,6 +23,9 @@ const SPREAD: f64 = 0.5;
 /// Means of forward and turn ratios at which predictions clamp them, and of the lateral one.
 const CLAMPS: (f64, f64, f64) = (-0.7, 0.5, 0.5);
 
+/// Time in s that a look looks back, as a rule: what was learned within it may be of a robot that stood already.
+const LOOKED_BACK: f64 = 1.0;
+
 /// Most slots of a window that are looked at.
 const MOST_SLOTS: u32 = 100;
 
@@ -106,7 +109,7 @@ impl<C: Compensation> Controller<C> {
         let (ended, mut finding) =
             self.watch.accept(&self.settings, &step, (far / 2.0, turned / 2.0), wants);
         if self.healthy.is_none() {
-            self.healthy = Some(self.belief.channels());
+            self.healthy = Some([self.belief.channels(); 2]);
         }
         if let Some(kind) = ended {
             let situation = self.situation(to);
@@ -120,10 +123,7 @@ impl<C: Compensation> Controller<C> {
     fn take_up(&mut self, finding: Finding, events: &mut Events) {
         let (alarm, rests) = match finding {
             Finding::Nothing => return,
-            Finding::Healthy => {
-                self.healthy = Some(self.belief.channels());
-                return;
-            }
+            Finding::Healthy => return self.keep_healthy(),
             Finding::Rest(alarm) => (alarm, true),
             Finding::Remark(alarm) | Finding::Raised(alarm) => (alarm, false),
         };
@@ -135,12 +135,24 @@ impl<C: Compensation> Controller<C> {
                 | Alarm::FrameMismatch { .. }
                 | Alarm::Raised { .. }
         );
-        if taught_nothing && let Some(channels) = self.healthy {
+        if taught_nothing && let Some([channels, _]) = self.healthy {
             // What was learned since the robot last moved as commanded says nothing of its floor.
             self.belief.restore(channels);
             if let Some(track) = &mut self.track {
                 track.window = Window::new(track.last);
             }
+        }
+    }
+
+    /// The robot moves as commanded: what is believed now is worth coming back to, once it is known that it still did a
+    /// look later.
+    fn keep_healthy(&mut self) {
+        let now = self.track.map_or(0.0, |track| track.last.taken);
+        if let Some([older, newer]) = &mut self.healthy
+            && self.healthy_at.is_none_or(|at| now - at >= LOOKED_BACK)
+        {
+            (*older, *newer) = (*newer, self.belief.channels());
+            self.healthy_at = Some(now);
         }
     }
 

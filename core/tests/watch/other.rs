@@ -1,6 +1,6 @@
 //! Poses that are missing, jump or lie far from the path; robots that are not as described; what a state does to others.
 
-use super::harness::{Floor, Show, World, amr, burger, mini, rover};
+use super::harness::{Floor, Run, Show, Wheels, World, amr, burger, mini, rover};
 use super::{blocked, dead_band};
 use umwelt_core::controller::task::{Limit, Stage, Task};
 use umwelt_core::controller::{Controller, Event, Saved};
@@ -106,14 +106,23 @@ fn a_robot_off_its_path_rests_and_a_resume_lets_it_stray_on() {
     assert!(run.arrived.is_some() && run.condition().is_none(), "{}", run.report());
 }
 
-/// What was learned of a robot that stood is taken back, what was learned before stays.
+/// What was learned of a robot that stood or turned the other way is taken back, what was learned before stays.
 #[test]
-fn standing_teaches_nothing() {
-    let run = World { wheels: blocked(8.0), ..World::new(rover(), &[(2.5, 0.0)]) }.run(14.0);
-    assert_eq!(run.condition(), Some(Condition::Stuck));
-    let forward = run.controller.environment().channels[Channel::Forward as usize];
-    assert!(forward.samples > 20, "{forward:?}");
-    assert!(forward.mean.abs() < 0.25, "{forward:?}");
+fn what_was_not_as_commanded_teaches_nothing() {
+    let way = || World::new(rover(), &[(2.5, 0.0)]);
+    let forward = |run: &Run| run.controller.environment().channels[Channel::Forward as usize];
+    let before = forward(&way().run(8.0));
+    let stuck = World { wheels: blocked(8.0), ..way() }.run(14.0);
+    assert_eq!(stuck.condition(), Some(Condition::Stuck));
+    let after = forward(&stuck);
+    assert!(after.samples > 20 && after.samples <= before.samples, "{before:?}, then {after:?}");
+    assert!((after.mean - before.mean).abs() < 0.02, "{before:?}, then {after:?}");
+
+    let wheels: Wheels =
+        Box::new(|_, WheelSpeeds { left, right }| WheelSpeeds { left: right, right: left });
+    let swapped = World { wheels, ..World::new(rover(), &[(0.4, 0.3)]) }.run(10.0);
+    let turn = swapped.controller.environment().channels[Channel::Turn as usize];
+    assert_eq!((swapped.condition(), turn.samples), (Some(Condition::FrameMismatch), 0));
 }
 
 /// The alarm outlives a restart and holds until a resume; what was learned of speeds stays, what a store of before has is
