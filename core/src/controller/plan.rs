@@ -213,7 +213,7 @@ impl<C: Compensation> Roll<'_, C> {
     fn next(&mut self, slot: usize) -> WheelSpeeds {
         self.limit = None;
         let desired = match self.task {
-            Some(task) if !self.state.stopped => self.decide(task),
+            Some(task) if !self.state.stopped && self.is_somewhere() => self.decide(task),
             _ => Twist::ZERO,
         };
         let Slot { command, speeds, wheels } = self.admit(desired, slot);
@@ -223,6 +223,13 @@ impl<C: Compensation> Roll<'_, C> {
         self.state.time += self.settings.slot;
         self.state.since_change = self.settings.slot;
         speeds
+    }
+
+    /// Whether the robot is predicted to be at any place: with a belief that knows no variance it may be infinitely far
+    /// away, and rests rather than to turn toward what is no number.
+    fn is_somewhere(&self) -> bool {
+        let mean = self.predictions[self.now].mean();
+        mean.x.is_finite() && mean.y.is_finite() && mean.heading.radians().is_finite()
     }
 
     /// The next slot under `command`, predicted to its end.

@@ -256,6 +256,21 @@ pub struct Said {
     pub allows: (bool, Option<f64>),
 }
 
+impl Said {
+    /// What an agent says in every slot of a robot that goes as told.
+    pub fn regular() -> Self {
+        Self {
+            pause: SLOT,
+            gap: 1,
+            age: 0.13,
+            poses: vec![(Seen::AsTold(0.0, 0.0, 0.0), SLOT)],
+            deliveries: Vec::new(),
+            plays: Plays::Nothing,
+            allows: (false, None),
+        }
+    }
+}
+
 fn pause() -> impl Strategy<Value = f64> {
     let jump = magnitude(Range::new(1.0, CLOCK.max - CLOCK.min, "s"));
     prop_oneof![12 => Just(SLOT), 4 => 0.0..0.5f64, 3 => magnitude(PAUSE), 1 => jump]

@@ -9,12 +9,15 @@ mod draw;
 mod drive;
 mod judge;
 
-use draw::{act, clock, robot, task};
+use draw::{Act, Said, act, clock};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
+use serde_json::json;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
+use umwelt_api::prior::built_in;
+use umwelt_api::{robot, task};
 
 /// Robots that are driven: some seconds of them.
 const ROBOTS: u32 = 200;
@@ -37,12 +40,30 @@ proptest! {
     /// command is out of the drive's limits, a stopped robot is told to drive.
     #[test]
     fn every_valid_request_is_answered_soon_and_within_all_limits(
-        robot in robot(),
-        first in task(),
+        robot in draw::robot(),
+        first in draw::task(),
         began in clock(),
         acts in prop::collection::vec(act(), 1..ACTS),
     ) {
         in_bounded_time(move || drive::drive(&robot, first, began, acts))?;
+    }
+}
+
+/// The bug to fear: agents of a Monte Carlo that believes nothing yet are drawn infinitely far away, and the robot turns
+/// toward a place that is no number, at full speed.
+#[test]
+fn a_robot_that_cannot_tell_where_it_will_be_stays_within_its_limits() {
+    let task = task::Spec::read(br#"{"waypoints": [{"x_m": -0.4, "y_m": 0.1}], "reverse": true}"#);
+    let task = task.unwrap().to_core().unwrap();
+    for seed in 0..200 {
+        let spec = json!({
+            "prior": "flat",
+            "predictor": {"kind": "monte-carlo", "agents": 2, "cell_m": 1.0, "seed": seed},
+        });
+        let robot = robot::Spec::read(spec.to_string().as_bytes()).unwrap();
+        let robot = robot.to_core(built_in).unwrap();
+        let acts = vec![Act::Steps(vec![Said::regular(); 60])];
+        drive::drive(&robot, task.clone(), 0.0, acts).unwrap();
     }
 }
 
