@@ -220,6 +220,6 @@ mod tests {
             assert_eq!(event.kind.name(), name);
         }
         assert!(simple.iter().all(|name| KINDS.contains(name)));
-        assert_eq!(KINDS.len(), 18);
+        assert_eq!(KINDS.len(), 20);
     }
 }

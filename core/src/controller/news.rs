@@ -28,6 +28,16 @@ impl Saved {
                     || has_moved(kept.posterior(), now.posterior())
             })
     }
+
+    /// Whether the watch holds the robot until it is resumed.
+    pub fn is_held_by_watch(&self) -> bool {
+        self.watch.holding.is_some()
+    }
+
+    /// Whether the watch holds the robot for something else than `kept` says, or no longer.
+    pub fn is_held_otherwise(&self, kept: &Self) -> bool {
+        self.watch.holding != kept.watch.holding
+    }
 }
 
 /// What of a phase does not change within it.

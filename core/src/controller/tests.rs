@@ -3,6 +3,8 @@ use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::settings::{Method, Prior};
 use crate::exchange::Delivery;
 use crate::geometry::{Pose, Twist};
+use crate::kinematics;
+use crate::local::LocalLimits;
 use crate::prediction::Motion;
 use proptest::prelude::*;
 

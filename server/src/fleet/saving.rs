@@ -27,6 +27,8 @@ pub(super) type Saver = BTreeMap<RobotId, (Arc<Snapshot>, Instant)>;
 /// What is worth a write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Worth {
+    /// That the watch holds a robot, or no longer does: after a crash it must not go on by itself.
+    Hold,
     /// News, and what has not been kept for long.
     News,
     /// Whatever has changed.
@@ -44,10 +46,11 @@ pub(super) fn start(fleet: &Fleet, every: Duration) {
             let now = ticks.tick().await;
             let Some(inner) = fleet.upgrade() else { return };
             let fleet = Fleet(inner);
-            if round.is_none_or(|round| now.duration_since(round) >= every) {
+            let is_round = round.is_none_or(|round| now.duration_since(round) >= every);
+            if is_round {
                 round = Some(now);
-                fleet.save_what_is(Worth::News).await;
             }
+            fleet.save_what_is(if is_round { Worth::News } else { Worth::Hold }).await;
             fleet.0.keeper.probe(IDLE).await;
         }
     });
@@ -71,6 +74,8 @@ impl Fleet {
                 Some(kept) if !is_worth(worth, kept, &snapshot, now) => {
                     shown.insert(id, kept.clone());
                 }
+                // Its first round is to come.
+                None if worth == Worth::Hold && !snapshot.is_held_by_watch() => {}
                 _ => {
                     let posterior = Box::new(snapshot.posterior());
                     changes.push(Change::PutPosterior(id.clone(), posterior));
@@ -91,10 +96,10 @@ fn is_worth(
     now: Instant,
 ) -> bool {
     let has_changed = !Arc::ptr_eq(kept, now_shown) && !kept.is_learned_as(now_shown);
-    let is_due = || {
-        worth == Worth::Change
-            || now.duration_since(*when) >= KEEP_WITHIN
-            || now_shown.is_news_after(kept)
+    let is_due = || match worth {
+        Worth::Hold => now_shown.is_held_otherwise(kept),
+        Worth::News => now.duration_since(*when) >= KEEP_WITHIN || now_shown.is_news_after(kept),
+        Worth::Change => true,
     };
     has_changed && is_due()
 }

@@ -214,6 +214,16 @@ impl Snapshot {
         self.revision != kept.revision || self.saved.is_news_after(&kept.saved)
     }
 
+    /// Whether the watch holds it until it is resumed.
+    pub(crate) fn is_held_by_watch(&self) -> bool {
+        self.saved.is_held_by_watch()
+    }
+
+    /// Whether the watch holds it for something else than `kept` says, or no longer.
+    pub(crate) fn is_held_otherwise(&self, kept: &Self) -> bool {
+        self.saved.is_held_otherwise(&kept.saved)
+    }
+
     /// What would outlive a restart after `change`.
     pub(crate) fn saved_after(&self, change: impl FnOnce(&mut Controller)) -> Saved {
         let settings = self.described.settings;

@@ -223,9 +223,9 @@ async fn what_happens_at_once_comes_in_one_frame_and_in_order() {
     assert_eq!(first.matches("\n\n").count(), 2, "{first}");
     assert!(first.find("stopped") < first.find("resumed"), "{first}");
     // Shortly after a frame, what happens is gathered for the next one.
-    api.post("/v1/stop").await;
+    api.put("/v1/robots/r", json!({})).await;
     assert!(stream.body.next().now_or_never().is_none());
-    api.post("/v1/resume").await;
+    api.put("/v1/robots/r", json!({})).await;
     let second = stream.body.next().await.unwrap().unwrap();
     assert_eq!(std::str::from_utf8(&second).unwrap().matches("\n\n").count(), 2);
 }
