@@ -51,6 +51,7 @@ async fn shown(server: &Server, robot: &RobotId) -> Vec<Value> {
         let mut body = http::call(server.address, "GET", &path, &[], b"").await.json();
         if let Some(object) = body.as_object_mut() {
             object.remove("last_seen_s_ago");
+            object.remove("pose_age_s");
         }
         shown.push(body);
     }
