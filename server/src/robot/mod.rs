@@ -3,6 +3,7 @@
 mod brake;
 mod clock;
 mod pilot;
+mod saying;
 mod session;
 mod snapshot;
 mod stop_order;

@@ -5,6 +5,7 @@
 use super::Common;
 use super::brake::Brake;
 use super::clock::RobotClock;
+use super::saying::{kind, warn};
 use super::session::{Refusal, Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
 use super::stop_order::Arrival;
@@ -21,8 +22,8 @@ use umwelt_api::event::Kind;
 use umwelt_api::robot::State;
 use umwelt_api::step::{Horizon, Reply};
 use umwelt_core::controller::settings::{PredictorKind, Settings};
-use umwelt_core::controller::task::{Progress, Task};
-use umwelt_core::controller::{self, Controller, Saved};
+use umwelt_core::controller::task::Task;
+use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Request;
 use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon;
@@ -365,24 +366,6 @@ impl Pilot {
     }
 }
 
-/// Says in the log what the watch finds.
-fn warn(robot: &RobotId, event: &controller::Event) {
-    match event {
-        controller::Event::Found { alarm, rests } => {
-            let (state, seen, remedy) = (alarm.condition().name(), alarm.seen(), alarm.remedy());
-            if *rests {
-                tracing::warn!(%robot, state, seen, remedy, "the watch brings the robot to rest");
-            } else {
-                tracing::warn!(%robot, state, seen, remedy, "the watch has a remark");
-            }
-        }
-        controller::Event::Over(alarm) => {
-            tracing::info!(%robot, state = alarm.condition().name(), "over, the robot goes on");
-        }
-        _ => {}
-    }
-}
-
 /// The controller of a robot that goes on from what was `saved` of it; without that, or where that is of something
 /// else, one that begins anew.
 fn controller(
@@ -418,24 +401,5 @@ fn at_rest(request: &Request, settings: &Settings) -> horizon::Horizon {
         slot: settings.slot,
         watchdog: settings.watchdog,
         speeds: std::iter::once(WheelSpeeds::ZERO).collect(),
-    }
-}
-
-/// What the wire says of an event of the controller.
-fn kind(event: &controller::Event, progress: &Progress, clock: RobotClock) -> Kind {
-    match *event {
-        controller::Event::PoseSetAside { observation, .. } => {
-            Kind::PoseSetAside(clock.observation(observation).into())
-        }
-        controller::Event::PosesBelievedAgain => Kind::PoseBelievedAgain,
-        controller::Event::CalibrationEnded => Kind::CalibrationEnded,
-        controller::Event::WaypointReached { leg } => Kind::WaypointReached { leg },
-        controller::Event::Found { alarm, rests } => {
-            Kind::Watch(umwelt_api::watch::Watch::new(&alarm, rests, Some(0.0)))
-        }
-        controller::Event::Over(alarm) => Kind::WatchOver { state: alarm.condition().into() },
-        controller::Event::Arrived => {
-            Kind::Arrived { elapsed_s: progress.elapsed, max_deviation_m: progress.max_deviation }
-        }
     }
 }
