@@ -41,6 +41,7 @@ fn straight_to(x: f64) -> Task {
         tolerance: TOLERANCE,
         reverse: false,
         calibration: None,
+        max_deviation: None,
     }
 }
 
