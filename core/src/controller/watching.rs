@@ -219,10 +219,10 @@ fn oddity(belief: &Belief) -> Option<Oddity> {
         let model = channel.statistic().filter(|_| channel.samples() >= SAMPLES)?;
         Some((model.mean, model.variance.sqrt(), channel.samples()))
     };
-    // A standard deviation of n samples is known to 1/sqrt(2 n) of itself: it is surely above what is left of it after three
+    // A standard deviation of n samples is known to 1/sqrt(2 n) of itself: it is surely above what is left of it after four
     // of those.
     let surely = |(mean, sd, samples): (f64, f64, u64)| {
-        (mean, sd * (1.0 - 3.0 / (2.0 * samples as f64).sqrt()))
+        (mean, sd * (1.0 - 4.0 / (2.0 * samples as f64).sqrt()))
     };
     let (low, high, aside) = CLAMPS;
     let is_out = |mean: f64| mean <= low || mean >= high;

@@ -11,8 +11,8 @@ pub const CELL: f64 = 0.1;
 /// Longest cell in s: a crawling robot with a noisy camera needs long ones to be told from one that stands.
 const LONGEST_CELL: f64 = 1.0;
 
-/// Cells remembered: more than two seconds of the shortest, 24 s of the longest.
-const CELLS: usize = 24;
+/// Cells remembered: more than two seconds of the shortest, 32 s of the longest.
+const CELLS: usize = 32;
 
 /// Cells that ended longer ago than this many s say nothing of now.
 const FORGOTTEN: f64 = 24.0;
@@ -62,7 +62,7 @@ struct Cell {
     kind: Kind,
     until: f64,
     span: f64,
-    /// Whether the robot had done this kind of motion for long enough that nothing of the one before is in it.
+    /// Whether the robot had moved this way for long enough that nothing of the motion before is in it.
     settled: bool,
     /// Direction commanded: +1 or -1.
     side: f64,
@@ -96,6 +96,10 @@ pub struct Sums {
     pub peak: f64,
     /// Motion seen in the commanded direction: forward, left, turned.
     pub seen: [f64; 3],
+    /// Distance or angle covered whichever way, that of each cell by itself: noise of the poses included.
+    pub covered: f64,
+    /// How many cells.
+    pub cells: u32,
     /// When the oldest cell began and the newest ended, in robot time.
     pub times: (f64, f64),
 }
@@ -107,8 +111,8 @@ pub struct Evidence {
     count: usize,
     next: usize,
     open: Option<Open>,
-    /// The kind of motion now, and since when.
-    stretch: Option<(Kind, f64)>,
+    /// The kind and direction of the motion now, and since when.
+    stretch: Option<(Kind, f64, f64)>,
 }
 
 impl Evidence {
@@ -150,12 +154,12 @@ impl Evidence {
             ended = self.close(from);
         }
         let since = match self.stretch {
-            Some((now, since)) if now == kind => since,
+            Some((now, way, since)) if (now, way) == (kind, side) => since,
             // From rest there is no other motion that may still go on.
             None => from.taken - UNDESCRIBED_DELAY,
             Some(_) => from.taken,
         };
-        self.stretch = Some((kind, since));
+        self.stretch = Some((kind, side, since));
         let settled = |start: &Observation| start.taken - since >= UNDESCRIBED_DELAY;
         let new =
             |start: &Observation| Cell { kind, side, settled: settled(start), ..Cell::default() };
@@ -194,9 +198,14 @@ impl Evidence {
         self.sum(|cell| cell.kind == kind, enough)
     }
 
-    /// The same of cells in which nothing is of another motion before.
+    /// The same of cells in which nothing is of another motion before, or of the same the other way.
     pub fn latest_settled(&self, kind: Kind, enough: impl Fn(&Sums) -> bool) -> Option<Sums> {
         self.sum(|cell| cell.kind == kind && cell.settled, enough)
+    }
+
+    /// Whether nothing of another motion is in the newest cell.
+    pub fn is_settled(&self) -> bool {
+        self.cells[(self.next + CELLS - 1) % CELLS].settled
     }
 
     fn sum(&self, counts: impl Fn(&Cell) -> bool, enough: impl Fn(&Sums) -> bool) -> Option<Sums> {
@@ -219,6 +228,8 @@ impl Evidence {
             for (sum, seen) in sums.seen.iter_mut().zip(cell.seen) {
                 *sum += seen;
             }
+            sums.covered += cell.seen[if cell.kind == Kind::Turn { 2 } else { 0 }].abs();
+            sums.cells += 1;
             sums.times.0 = cell.until - cell.span;
             if enough(&sums) {
                 return Some(sums);

@@ -12,6 +12,12 @@ use crate::geometry::Twist;
 /// rest are the sensor's and the link's delay and the ramp.
 const STUCK_TIME: f64 = 0.9;
 
+/// The same where the command goes to and fro: what is left of one way is taken for the other way for a while.
+const TO_AND_FRO_TIME: f64 = 1.5 * STUCK_TIME;
+
+/// Motion seen of a standing robot in one cell, in standard deviations of a pose: twice what is expected, and some.
+const NOISE_A_CELL: f64 = 3.0;
+
 /// Time in s of motion against the command after which frame or wheels are wrong, not counting what may still be of the
 /// motion before: more than may go undescribed of the delay, so that a change of direction is not taken for it.
 const MISMATCH_TIME: f64 = 0.6;
@@ -103,32 +109,9 @@ impl Watch {
         if kind == Kind::Turn {
             self.shift.push(self.evidence.newest());
         }
-        let mut finding = Finding::Nothing;
-        if let Some(sums) = self.evidence.latest(kind, |sums| {
-            sums.span >= STUCK_TIME
-                && sums.early > 0.0
-                && sums.early >= TELLS_STUCK * sd(kind, noise)
-        }) {
-            let (along, any) = shares(kind, settings, &sums, sums.early);
-            let stands = along < MOVED && any < ELSEWHERE;
-            let creeps = situation.creeps && along < CREEPS && any < HEALTHY;
-            if stands || creeps {
-                let (from, to) = sums.times;
-                if !played(from, to - UNDESCRIBED_DELAY) {
-                    // It was told less than was sent: replies came late.
-                    return Finding::Nothing;
-                }
-                let how = if stands { How::Stood } else { How::Crept };
-                finding = self.stands(settings, kind, &sums, situation.now, how);
-            } else {
-                self.raise.succeeded();
-                if along >= HEALTHY {
-                    let top = &mut self.top[kind as usize];
-                    *top = sums.peak.max(TOP_MEMORY * *top);
-                    finding = Finding::Healthy;
-                }
-            }
-        }
+        let Some(finding) = self.look_at_motion(settings, kind, noise, situation, &played) else {
+            return Finding::Nothing;
+        };
         if matches!(finding, Finding::Rest(_) | Finding::Raised(_)) {
             return finding;
         }
@@ -141,6 +124,52 @@ impl Watch {
             Finding::Nothing => finding,
             other => other,
         }
+    }
+
+    /// Whether the robot moves at all; none where it was told less than was sent: replies came late.
+    fn look_at_motion(
+        &mut self,
+        settings: &Settings,
+        kind: Kind,
+        noise: PoseNoise,
+        situation: &Situation,
+        played: impl Fn(f64, f64) -> bool,
+    ) -> Option<Finding> {
+        let tells = |time: f64| {
+            move |sums: &Sums| {
+                let enough = sums.early >= TELLS_STUCK * sd(kind, noise);
+                sums.span >= time && sums.early > 0.0 && enough
+            }
+        };
+        // What is left of a turn one way and a turn the other way may come to nothing together.
+        let is_still = |sums: &Sums| {
+            let noise = NOISE_A_CELL * sd(kind, noise) * f64::from(sums.cells);
+            sums.covered - noise < ELSEWHERE * sums.early
+        };
+        let recent = self.evidence.is_settled();
+        let recent = recent.then(|| self.evidence.latest_settled(kind, tells(STUCK_TIME)));
+        let to_and_fro = self.evidence.latest(kind, tells(TO_AND_FRO_TIME)).filter(is_still);
+        let mut finding = Finding::Nothing;
+        for sums in recent.flatten().into_iter().chain(to_and_fro) {
+            let (along, any) = shares(kind, settings, &sums, sums.early);
+            let stands = along < MOVED && any < ELSEWHERE;
+            let creeps = situation.creeps && along < CREEPS && any < HEALTHY;
+            if stands || creeps {
+                let (from, to) = sums.times;
+                if !played(from, to - UNDESCRIBED_DELAY) {
+                    return None;
+                }
+                let how = if stands { How::Stood } else { How::Crept };
+                return Some(self.stands(settings, kind, &sums, situation.now, how));
+            }
+            self.raise.succeeded();
+            if along >= HEALTHY {
+                let top = &mut self.top[kind as usize];
+                *top = sums.peak.max(TOP_MEMORY * *top);
+                finding = Finding::Healthy;
+            }
+        }
+        Some(finding)
     }
 
     /// The robot stands, or as good as: raises its smallest speed where that may help.
