@@ -106,8 +106,10 @@ impl<C: Compensation> Controller<C> {
         ];
         let step = Step { from, to, commanded, off };
         let wants = self.wants_motion();
-        let (ended, mut finding) =
-            self.watch.accept(&self.settings, &step, (far / 2.0, turned / 2.0), wants);
+        let (commands, settings) = (&self.commands, &self.settings);
+        let played = |from, until| was_played(commands, settings, from, until);
+        let far = (far / 2.0, turned / 2.0);
+        let (ended, mut finding) = self.watch.accept(settings, &step, far, wants, played);
         if self.healthy.is_none() {
             self.healthy = Some([self.belief.channels(); 2]);
         }

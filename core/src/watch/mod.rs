@@ -229,13 +229,15 @@ impl Watch {
     }
 
     /// Takes in an accepted pose. `far` is what a robot can hardly have moved beside its commands, in m and rad; `wants`
-    /// says whether a task wants it to move. Returns the kind of motion to look at, and what equal poses say.
+    /// says whether a task wants it to move, `played` whether it played the commands between two robot times. Returns the
+    /// kind of motion to look at, and what equal poses say.
     pub fn accept(
         &mut self,
         settings: &Settings,
         step: &Step,
         far: (f64, f64),
         wants: bool,
+        played: impl Fn(f64, f64) -> bool,
     ) -> (Option<Kind>, Finding) {
         let (span, interval) = (step.to.taken - step.from.taken, self.interval);
         self.interval += INTERVAL_SHARE * (span.min(LONGEST_INTERVAL) - self.interval);
@@ -255,9 +257,12 @@ impl Watch {
             let fast = [Kind::Drive, Kind::Turn].map(|kind| fast(settings, top, kind));
             (fast[0], fast[1])
         });
+        let now = step.to.taken;
         match stillness {
             Stillness::Fine => {}
-            Stillness::Try => return (None, self.try_full(settings, step.to.taken)),
+            // It was told less than was sent: as after a silence, when the first replies come late.
+            _ if !played(now - self.still.commanded, now) => self.still.clear(),
+            Stillness::Try => return (None, self.try_full(settings, now)),
             Stillness::Frozen => {
                 let Still { poses, commanded, .. } = self.still;
                 return (None, self.hold(Alarm::Frozen { poses, span: commanded }));
