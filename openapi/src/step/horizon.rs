@@ -13,6 +13,8 @@ use utoipa::ToSchema;
 
 /// From a fast motor controller's cycle to that of a robot nobody would call controlled.
 pub const SLOT: Range = Range::new(0.001, 1.0, "s");
+/// A horizon begins a slot or the longest loop delay after the request was sent, at whatever time that was.
+pub const START: Range = Range::new(TIME.min, TIME.max + 10.0, "s");
 /// No wheel turns faster (`robot::WHEEL_SPEED`), in either direction.
 pub const WHEEL_SPEED: Range = Range::new(-1000.0, 1000.0, "rad/s");
 
@@ -71,7 +73,7 @@ impl Checked for Horizon {
     fn check(&self, check: &mut Check) {
         check.integer("sequence", self.sequence, 0..=MAX_INTEGER);
         check.integer("answers", self.answers, 0..=MAX_INTEGER);
-        check.number("start_s", self.start_s, TIME);
+        check.number("start_s", self.start_s, START);
         check.number("slot_s", self.slot_s, SLOT);
         check.number("watchdog_s", self.watchdog_s, WATCHDOG);
         check.length("wheel_speeds", self.wheel_speeds.len(), 1..=MAX_SLOTS);
