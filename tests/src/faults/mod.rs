@@ -1,10 +1,10 @@
 //! Faults injected into everything at once: a server and agents as processes, links, trackers, wheels, the disk, and
 //! operators who stop, resume and change things all the while.
 //!
-//! * [`schedule`]: which fault comes to whom and when, by a seed; [`inject`]: how each is injected and lifted.
-//! * [`life`]: the server; [`robot`] and [`body`]: a robot, its agent and what it truly is and does.
-//! * [`judge`]: what a robot must not do; [`facts`]: what was acknowledged and must stay.
-//! * [`field`]: all of them, and the operator; [`report`]: what came of it.
+//! * `schedule`: which fault comes to whom and when, by a seed; `inject`: how each is injected and lifted.
+//! * `life`: the server; `robot` and `body`: a robot, its agent and what it truly is and does.
+//! * `judge`: what a robot must not do; `facts`: what was acknowledged and must stay.
+//! * `field`: all of them, and the operator; `report`: what came of it.
 //!
 //! Judged is how the robots truly move, by one monotonic clock in this process. Where this process itself stood still
 //! nothing is judged.
