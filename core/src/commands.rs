@@ -264,7 +264,7 @@ impl Commands {
     /// Calls `each` with the wheel speeds in force and their duration in s, from `from` to `to` without a gap.
     ///
     /// Each piece ends after it begins: with the horizon, with its entry, with what the robot reported, or with the walk.
-    /// There are no more than [`MOST_PIECES`].
+    /// There are no more than `MOST_PIECES`.
     pub fn walk(
         &self,
         attribution: Attribution,

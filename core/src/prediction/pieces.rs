@@ -32,7 +32,7 @@ impl Pieces {
         Self { longest: LONGEST, apart: 0, first: Twist::ZERO, gathered: Motion::NONE }
     }
 
-    /// None yet; each goes in by itself, up to [`MOST_APART`].
+    /// None yet; each goes in by itself, up to `MOST_APART`.
     pub fn apart() -> Self {
         Self { longest: 0.0, apart: MOST_APART, ..Self::gathered() }
     }
