@@ -115,8 +115,7 @@ impl<C: Compensation> Controller<C> {
         }
         if let Some(kind) = ended {
             let situation = self.situation(to);
-            let played = |from, until| was_played(&self.commands, &self.settings, from, until);
-            finding = self.watch.look(&self.settings, kind, &situation, played);
+            finding = self.watch.look(settings, kind, &situation, played);
         }
         self.take_up(finding, events);
     }
