@@ -1,7 +1,7 @@
 //! From JSON bytes to a wire type: the one place where outside data is read.
 //!
-//! What is read is what was said. A text becomes a tree ([`tree`]), the tree a type ([`typed`]); what does not fit is
-//! told in our words with its field path ([`fault`], [`syntax`]). An object is never a list of its fields, `20.0` and
+//! What is read is what was said. A text becomes a tree (`tree`), the tree a type (`typed`); what does not fit is told in
+//! our words with its field path (`fault`, `syntax`). An object is never a list of its fields, `20.0` and
 //! `2e1` are whole numbers, a field that stands twice is refused, a byte-order mark of UTF-8 is passed over.
 
 mod fault;
@@ -21,11 +21,29 @@ use std::borrow::Cow;
 use tree::Node;
 use typed::{Reader, Shapes};
 
+/// Reads a type that is no part of the contract, in the same words: a line of a robot's own program, say.
+///
+/// ```
+/// #[derive(serde::Deserialize)]
+/// struct Line {
+///     count: u32,
+/// }
+/// assert_eq!(umwelt_api::body::parse::<Line>(br#"{"count": 2.0}"#).unwrap().count, 2);
+/// let problems = umwelt_api::body::parse::<Line>(b"[2]").err().unwrap();
+/// assert_eq!(problems.details()[0].remedy, "use an object with count, not a list");
+/// ```
+///
+/// # Errors
+/// The first thing that keeps it from being a `T`.
+pub fn parse<T: DeserializeOwned>(json: &[u8]) -> Result<T, Problems> {
+    Ok(T::deserialize(Reader::new(&Node::read(json)?))?)
+}
+
 /// Reads a type that refuses unknown fields by itself (`deny_unknown_fields`) and checks it.
 ///
 /// For types whose every part is a struct or a plain enum: within tagged enums serde takes lists for objects.
 pub(crate) fn read<T: DeserializeOwned + Checked>(json: &[u8]) -> Result<T, Problems> {
-    let body = T::deserialize(Reader::new(&Node::read(json)?))?;
+    let body = parse(json)?;
     Check::all(&body)?;
     Ok(body)
 }

@@ -12,7 +12,7 @@
 //!
 //! Architecture invariant: this crate depends on core only; no HTTP, no clock, no I/O.
 
-mod body;
+pub mod body;
 mod check;
 pub mod comparison;
 mod document;

@@ -70,7 +70,7 @@ fn is_liveness(request: &Request) -> bool {
 
 /// What every answer says: it is what its type says and nothing else, and it is not to be kept unless the route says
 /// so. Proxies are to hand on a stream as it comes.
-fn mark(response: &mut Response) {
+pub(crate) fn mark(response: &mut Response) {
     const NOSNIFF: HeaderValue = HeaderValue::from_static("nosniff");
     const NO_STORE: HeaderValue = HeaderValue::from_static("no-store");
     const UNBUFFERED: HeaderValue = HeaderValue::from_static("no");

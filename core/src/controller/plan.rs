@@ -412,7 +412,11 @@ impl<C: Compensation> Roll<'_, C> {
             remaining += TAU;
         }
         let (_, overrun) = self.floors.overrun(drive, self.state.previous);
-        if remaining > (drive.min_angular * self.settings.slot / 2.0).max(overrun) {
+        // A motor that does not turn slowly cannot turn by little: what the curve can take is left to it.
+        let is_coarse = self.floors.turn.least > 0.0;
+        let left_over = if is_coarse { self.settings.steering.turn_tolerance } else { 0.0 };
+        let least = (drive.min_angular * self.settings.slot / 2.0).max(overrun).max(left_over);
+        if remaining > least {
             let stoppable = steering::stopping_speed(
                 remaining,
                 drive.max_angular_acceleration,

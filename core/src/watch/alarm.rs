@@ -82,6 +82,11 @@ pub enum Oddity {
     TurnSpread(f64),
     /// Motion of the tracked point in m per radian turned in place.
     ShiftPerRadian(f64),
+    /// Turning in place turns the robot by half, about one wheel: the wheel stands.
+    OneWheel {
+        /// Whether it is the left one.
+        left: bool,
+    },
 }
 
 /// What was found, with the numbers seen.
@@ -239,6 +244,10 @@ impl Oddity {
             Self::ShiftPerRadian(shift) => {
                 format!("turning in place moves it by {shift:.3} m per radian")
             }
+            Self::OneWheel { left } => {
+                let wheel = if left { "left" } else { "right" };
+                format!("it turns by half of what is commanded, about its {wheel} wheel")
+            }
         }
     }
 
@@ -257,6 +266,8 @@ impl Oddity {
             Self::ShiftPerRadian(_) => {
                 "track the middle between the wheels, or have the tracker correct for where its marker sits"
             }
+            Self::OneWheel { left: true } => "check the left wheel's motor, driver and plug",
+            Self::OneWheel { left: false } => "check the right wheel's motor, driver and plug",
         }
     }
 }

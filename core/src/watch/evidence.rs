@@ -121,9 +121,11 @@ impl Evidence {
         (self.count, self.open, self.stretch) = (0, None, None);
     }
 
-    /// The newest turn in place: what was seen forward, to the left and turned, in the commanded direction.
-    pub fn newest(&self) -> [f64; 3] {
-        self.cells[(self.next + CELLS - 1) % CELLS].seen
+    /// The newest motion: what was commanded, in m or rad, and what was seen forward, to the left and turned, in the
+    /// commanded direction.
+    pub fn newest(&self) -> (f64, [f64; 3]) {
+        let Cell { commanded, seen, .. } = self.cells[(self.next + CELLS - 1) % CELLS];
+        (commanded, seen)
     }
 
     /// Takes in one step; `least` is the motion in m and rad that a cell is to hold. Returns the kind of the cell that it

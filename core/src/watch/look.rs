@@ -73,7 +73,10 @@ const NO_ADVANCE: f64 = 5.0;
 const SHIFT: f64 = 0.25;
 
 /// Radians turned in place from which that is known.
-const SHIFT_TURNED: f64 = 3.0;
+const SHIFT_TURNED: f64 = 2.0;
+
+/// A part that differs from a half by less than this is a half.
+const ABOUT_HALF: f64 = 0.15;
 
 /// Looks in a row at which the robot was too far from its path.
 const LOOKS_OFF_PATH: u32 = 2;
@@ -106,8 +109,9 @@ impl Watch {
         played: impl Fn(f64, f64) -> bool,
     ) -> Finding {
         let noise = self.jitter.at_least(settings.noise);
-        if kind == Kind::Turn {
-            self.shift.push(self.evidence.newest());
+        if kind == Kind::Turn && self.evidence.is_settled() {
+            let (commanded, seen) = self.evidence.newest();
+            self.shift.push(commanded, seen);
         }
         let Some(finding) = self.look_at_motion(settings, kind, noise, situation, &played) else {
             return Finding::Nothing;
@@ -309,11 +313,22 @@ impl Watch {
 
     /// How far the tracked point moves per radian turned in place, where that is too far.
     fn shift_of(&mut self, settings: &Settings, noise: PoseNoise) -> Option<Oddity> {
-        let Shift { turned, moved } = self.shift;
-        let allowed = SHIFT * settings.drive.track_width;
+        let Shift { commanded, turned, moved: [ahead, aside] } = self.shift;
+        let track = settings.drive.track_width;
+        let allowed = SHIFT * track;
         let shows = turned >= SHIFT_TURNED && TELLS_MISMATCH * noise.position <= allowed * turned;
-        let shift = moved[0].hypot(moved[1]) / turned.max(SHIFT_TURNED);
-        (shows && shift > allowed).then_some(Oddity::ShiftPerRadian(shift))
+        let shift = ahead.hypot(aside) / turned.max(SHIFT_TURNED);
+        if !shows || shift <= allowed {
+            return None;
+        }
+        // One wheel that stands leaves half the turn, about itself: the middle moves by half the track per radian.
+        let is_half = |part: f64| (part - 0.5).abs() < ABOUT_HALF;
+        let about_wheel = is_half(ahead.abs() / (turned * track)) && is_half(turned / commanded);
+        Some(if about_wheel && aside.abs() < ABOUT_HALF * ahead.abs() {
+            Oddity::OneWheel { left: ahead > 0.0 }
+        } else {
+            Oddity::ShiftPerRadian(shift)
+        })
     }
 }
 

@@ -32,8 +32,8 @@ use still::{Still, Stillness};
 /// A cell holds this part of the motion that tells something.
 const CELL_SHARE: f64 = 1.0 / 12.0;
 
-/// What is remembered of the shift after each further cell.
-const SHIFT_MEMORY: f64 = 0.98;
+/// Radians turned in place over which a shift is remembered: a slow turn counts as much as a fast one.
+const SHIFT_MEMORY: f64 = 12.0;
 
 /// A robot that was let go on off its path may stray by this factor farther before it rests again.
 const FARTHER: f64 = 1.5;
@@ -88,15 +88,19 @@ impl Kept {
 /// How far the tracked point moves while the robot turns in place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Shift {
+    commanded: f64,
     turned: f64,
     moved: [f64; 2],
 }
 
 impl Shift {
-    fn push(&mut self, [forward, left, turned]: [f64; 3]) {
-        self.turned = SHIFT_MEMORY * self.turned + turned.abs();
-        let [ahead, aside] = self.moved;
-        self.moved = [SHIFT_MEMORY * ahead + forward, SHIFT_MEMORY * aside + left];
+    /// Takes in a turn: what was commanded, and what was seen forward, to the left and turned.
+    fn push(&mut self, commanded: f64, [forward, left, turned]: [f64; 3]) {
+        let kept = 1.0 - (turned.abs() / SHIFT_MEMORY).min(1.0);
+        let Self { commanded: before, turned: until, moved: [ahead, aside] } = *self;
+        self.commanded = kept * before + commanded;
+        self.turned = kept * until + turned.abs();
+        self.moved = [kept * ahead + forward, kept * aside + left];
     }
 }
 

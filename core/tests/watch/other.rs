@@ -7,7 +7,7 @@ use umwelt_core::controller::{Controller, Event, Saved};
 use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::identification::estimate::Channel;
-use umwelt_core::watch::{Alarm, Condition};
+use umwelt_core::watch::{Alarm, Condition, Oddity};
 
 #[test]
 fn missing_poses_end_in_rest_and_the_robot_goes_on_when_they_return() {
@@ -84,6 +84,26 @@ fn a_robot_that_circles_is_not_as_described() {
     let run = World { floor: circles, ..World::new(rover(), &[(0.4, 0.3)]) }.run(90.0);
     assert!(run.arrived.is_some() || run.condition().is_some(), "{}", run.report());
     assert!(run.remarks().contains(&Condition::NotAsDescribed), "{}", run.report());
+}
+
+/// A robot whose one wheel stands turns, and so may hunt for its goal for ever: slow turns count as fast ones do.
+#[test]
+fn a_robot_with_one_dead_wheel_rests_and_the_wheel_is_named() {
+    let ways =
+        [(rover(), (0.4, 0.3)), (burger(), (0.6, 0.5)), (mini(), (0.15, 0.1)), (amr(), (5.0, 4.0))];
+    for (drive, to) in ways {
+        for left in [true, false] {
+            let wheels: Wheels = Box::new(move |_, speeds| match left {
+                true => WheelSpeeds { left: 0.0, ..speeds },
+                false => WheelSpeeds { right: 0.0, ..speeds },
+            });
+            let run = World { wheels, ..World::new(drive, &[to]) }.run(60.0);
+            let found = run.controller.watch_state();
+            let named = Alarm::NotAsDescribed(Oddity::OneWheel { left });
+            assert_eq!(found, Some((named, true)), "{}", run.report());
+            assert!(run.turned().0 <= 15.0, "{}", run.report());
+        }
+    }
 }
 
 #[test]

@@ -35,6 +35,17 @@ fn a_dead_band_is_overcome() {
     }
 }
 
+/// A turn so small that the motors cannot make it is not tried for ever: the curve takes it.
+#[test]
+fn a_small_turn_beyond_a_wide_dead_band_does_not_hunt() {
+    for delay in [0.002, 0.1] {
+        let delays = (0.03, delay, delay);
+        let run = World { wheels: dead_band(2.33), delays, ..World::new(burger(), &[(0.6, 0.5)]) };
+        let run = run.run(60.0);
+        assert!(run.arrived.is_some_and(|at| at <= 30.0), "{}", run.report());
+    }
+}
+
 /// The raise is learned: a second corner takes no raise.
 #[test]
 fn a_dead_band_is_learned() {

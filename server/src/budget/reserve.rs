@@ -1,6 +1,6 @@
 //! What a connection beyond the limit is still served: the stop, and whether the server is well.
 
-use crate::failure;
+use crate::{failure, guard};
 use axum::Router;
 use axum::extract::Request;
 use axum::http::{HeaderValue, Method, header};
@@ -13,7 +13,9 @@ pub(crate) fn reserved(router: Router, limit: usize) -> Router {
         let mut response = if is_reserved(request.method(), request.uri().path()) {
             next.run(request).await
         } else {
-            failure::limit_reached("connections", limit).into_response()
+            let mut refused = failure::limit_reached("connections", limit).into_response();
+            guard::mark(&mut refused);
+            refused
         };
         leave(&mut response);
         response

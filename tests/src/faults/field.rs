@@ -154,8 +154,7 @@ impl Field {
     /// Stops all robots; those that the answer names were not told.
     pub async fn stop_all(&self) {
         let sent = self.clock.now();
-        self.stops_of_all.fetch_add(1, Ordering::SeqCst);
-        let answer = self.post("/v1/stop").await;
+        let answer = self.tell_all("/v1/stop").await;
         let Some(answer) = answer.filter(|answer| answer.code == 200) else { return };
         let answer = answer.json();
         if answer["kept"] == Value::Bool(false) {
@@ -169,11 +168,19 @@ impl Field {
 
     /// Lets all robots go on.
     pub async fn resume_all(&self) {
-        self.stops_of_all.fetch_add(1, Ordering::SeqCst);
         for robot in &self.robots {
             robot.body.judge(|judge, now| judge.resumes(now));
         }
-        let _ = self.post("/v1/resume").await;
+        let _ = self.tell_all("/v1/resume").await;
+    }
+
+    /// Says something to all robots. It may take effect at any time between the two counts: what is seen meanwhile says
+    /// nothing of afterwards.
+    async fn tell_all(&self, path: &str) -> Option<Answer> {
+        self.stops_of_all.fetch_add(1, Ordering::SeqCst);
+        let answer = self.post(path).await;
+        self.stops_of_all.fetch_add(1, Ordering::SeqCst);
+        answer
     }
 
     /// Resumes a robot that stands; whether it was stopped or had raised an alarm.

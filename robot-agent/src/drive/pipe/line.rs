@@ -1,9 +1,10 @@
 //! What a pose looks like on a line, and what is no pose.
 
 use serde::{Deserialize, Deserializer};
-use umwelt_client::api::Range;
+use umwelt_client::api::problem::{Detail, Problems};
 use umwelt_client::api::step::{HEADING, MAX_SPEED};
 use umwelt_client::api::task::COORDINATE;
+use umwelt_client::api::{Range, body};
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::Pose;
 
@@ -125,12 +126,12 @@ impl Poses {
     pub(super) fn read(&mut self, now: f64, line: &Line) -> Said {
         let wrong = |hold, error| Said { hold, max_speed: None, pose: Some(Err(error)) };
         let Line::Whole(line) = line else { return wrong(None, LineError::TooLong) };
-        let fields: Fields = match serde_json::from_slice(line) {
+        let fields: Fields = match body::parse(line) {
             Ok(fields) => fields,
-            Err(error) if names_limits(line) => {
-                return wrong(Some(true), LineError::UnreadableLimits(error.to_string()));
+            Err(found) if names_limits(line) => {
+                return wrong(Some(true), LineError::UnreadableLimits(in_words(&found)));
             }
-            Err(error) => return wrong(None, LineError::Malformed(error.to_string())),
+            Err(found) => return wrong(None, LineError::Malformed(in_words(&found))),
         };
         if let Some(Some(value)) = fields.max_speed_m_per_s
             && let Err(error) = in_range("max_speed_m_per_s", value, MAX_SPEED)
@@ -146,7 +147,7 @@ impl Poses {
     /// The pose among `fields`. One that is refused changes nothing.
     fn pose(&mut self, now: f64, fields: &Fields) -> Result<Observation, LineError> {
         let there = |field: &str, value: Option<f64>| {
-            value.ok_or_else(|| LineError::Malformed(format!("missing field `{field}`")))
+            value.ok_or_else(|| LineError::Malformed(format!("{field} is missing")))
         };
         let x = there("x_m", fields.x_m)?;
         let y = there("y_m", fields.y_m)?;
@@ -178,6 +179,19 @@ fn in_range(field: &'static str, value: f64, range: Range) -> Result<(), LineErr
     } else {
         Err(LineError::OutOfRange { field, value, min, max })
     }
+}
+
+/// What is wrong with a line: the field, what it holds and what to do.
+fn in_words(found: &Problems) -> String {
+    let words = |detail: &Detail| {
+        let Detail { field, value, remedy, .. } = detail;
+        match (field.is_empty(), value.is_null()) {
+            (true, _) => remedy.clone(),
+            (false, true) => format!("{field}: {remedy}"),
+            (false, false) => format!("{field} is {value}: {remedy}"),
+        }
+    };
+    found.details().iter().map(words).collect::<Vec<_>>().join("; ")
 }
 
 /// Whether a line that cannot be read names what restrains the robot.
@@ -227,15 +241,18 @@ mod tests {
         let mut poses = Poses::NEW;
         read(&mut poses, 10.0, r#"{"t_s":9.5,"x_m":0,"y_m":0,"heading_rad":0}"#).unwrap();
         for (line, reason) in [
-            ("", "EOF while parsing"),
-            ("hello", "expected value"),
-            (r#"{"x_m":0,"y_m":0}"#, "missing field `heading_rad`"),
-            (r#"{"x_m":0,"y_m":0,"heading_rad":0,"z_m":1}"#, "unknown field `z_m`"),
-            (r#"{"x_m":0,"x_m":0,"y_m":0,"heading_rad":0}"#, "duplicate field `x_m`"),
-            (r#"{"x_m":NaN,"y_m":0,"heading_rad":0}"#, "expected value"),
-            (r#"{"x_m":1e999,"y_m":0,"heading_rad":0}"#, "number out of range"),
-            (r#"{"x_m":null,"y_m":0,"heading_rad":0}"#, "invalid type: null"),
-            (r#"{"x_m":0,"y_m":0,"heading_rad":0} x"#, "trailing characters"),
+            ("", "empty"),
+            ("hello", "it is no JSON from hello on"),
+            (r#"{"x_m":0,"y_m":0}"#, "heading_rad is missing"),
+            (
+                r#"{"x_m":0,"y_m":0,"heading_rad":0,"z_m":1}"#,
+                "z_m is 1: leave it out; known here: t_s, x_m",
+            ),
+            (r#"{"x_m":0,"x_m":0,"y_m":0,"heading_rad":0}"#, "x_m: it stands twice"),
+            (r#"{"x_m":NaN,"y_m":0,"heading_rad":0}"#, "NaN is no number in JSON"),
+            (r#"{"x_m":1e999,"y_m":0,"heading_rad":0}"#, "1e999 is beyond every number"),
+            (r#"{"x_m":null,"y_m":0,"heading_rad":0}"#, "x_m: use a number, not null"),
+            (r#"{"x_m":0,"y_m":0,"heading_rad":0} x"#, "it is no JSON from x on"),
             (r#"{"x_m":10001,"y_m":0,"heading_rad":0}"#, "x_m is 10001, it must be between"),
             (r#"{"t_s":10.5,"x_m":0,"y_m":0,"heading_rad":0}"#, "t_s is 0.5 s in the future"),
             (r#"{"t_s":7.5,"x_m":0,"y_m":0,"heading_rad":0}"#, "t_s is 2.5 s ago"),
