@@ -125,10 +125,12 @@ impl Server {
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> io::Result<()> {
         let Self { app, router, listener, .. } = self;
         let door = Door::new(&app.config, router);
+        let tidying = tokio::spawn(budget::give_back_what_is_free());
         tokio::select! {
             () = door.accept(&listener) => {}
             () = shutdown => {}
         }
+        tidying.abort();
         tracing::info!("shutting down: robots are told to rest");
         // What runs goes on after the restart; the robots that are told to rest need the cores now.
         app.evolutions.close();

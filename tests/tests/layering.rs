@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 /// The packages of the workspace and which of them each may depend on, dev-dependencies included.
-const ALLOWED: [(&str, &[&str]); 6] = [
+const ALLOWED: [(&str, &[&str]); 7] = [
     ("umwelt-core", &[]),
     ("umwelt-api", &["umwelt-core"]),
-    ("umwelt-server", &["umwelt-core", "umwelt-api"]),
+    ("umwelt-memory", &[]),
+    ("umwelt-server", &["umwelt-core", "umwelt-api", "umwelt-memory"]),
     ("umwelt-client", &["umwelt-core", "umwelt-api"]),
     ("umwelt-agent", &["umwelt-core", "umwelt-client"]),
     (

@@ -116,8 +116,9 @@ impl Robot {
             snapshot
         };
         let is_stopped = self.is_stopped();
-        // It may rest for other reasons as well; a stop shows before its task has looked.
-        if is_stopped && !snapshot.is_stopped() { Arc::new(snapshot.told(true)) } else { snapshot }
+        // What it was told shows before its task has looked; that it rests because the server ends is no stop.
+        let shows = snapshot.is_stopped() == is_stopped;
+        if shows { snapshot } else { Arc::new(snapshot.told(is_stopped)) }
     }
 
     /// What is to be kept of it as it is now.
@@ -380,6 +381,20 @@ mod tests {
             playing: None,
             limits: Default::default(),
         }
+    }
+
+    /// A robot that rests because the server ends was not stopped: somebody who looks then and resumes it after the
+    /// restart would look for a stop that nobody made.
+    #[tokio::test]
+    async fn a_robot_that_is_drained_does_not_show_as_stopped() {
+        let robot = Robot::dead("r").await;
+        let (_, snapshot) = tokio::sync::watch::channel(robot.snapshot().told(true).into());
+        let robot = Robot { snapshot, ..robot };
+        assert!(!robot.snapshot().is_stopped());
+        robot.stop(Arrival(7));
+        assert!(robot.snapshot().is_stopped());
+        robot.resume(Arrival(8)).unwrap();
+        assert!(!robot.snapshot().is_stopped());
     }
 
     /// The bug to fear: callers that wait for ever for a task that has gone, or see it drive on.
