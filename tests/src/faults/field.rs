@@ -1,5 +1,6 @@
 //! Everything that is there: server, robots, what is counted, and what an operator can do.
 
+use super::judge::Judge;
 use super::life::Life;
 use super::report::Tally;
 use super::robot::Robot;
@@ -31,6 +32,9 @@ const GIVEN_UP: f64 = 60.0;
 /// Names of alarms, wherever a robot's description shows them.
 const ALARMS: [&str; 7] =
     ["stuck", "frozen", "no-poses", "frame-mismatch", "off-path", "jumping", "not-as-described"];
+
+/// What a robot shows that did not move and is tried at higher speeds.
+const RAISED: &str = "raised";
 
 /// All of it.
 #[derive(Debug)]
@@ -261,6 +265,9 @@ impl Field {
                 }
                 let before = robot.task();
                 let Some(shown) = self.look(robot).await else { continue };
+                if shown.pointer("/watch/state").is_some_and(|state| state == RAISED) {
+                    robot.body.judge(Judge::is_tried);
+                }
                 let now = alarm(&shown);
                 if let Some(name) = now.filter(|_| now != *alarmed) {
                     self.say(&format!("{} raises {name}", robot.id));

@@ -1,8 +1,9 @@
 //! What one robot must not do, judged by how it truly moves. Times are arguments, in s on one monotonic clock.
 //!
 //! A robot is **blind** where its tracker shows nothing new, its wheels are blocked, or no server can be heard. It may go
-//! on for as long as it plays what it has, and for [`BLIND`] more in which somebody notices. A robot whose stop was
-//! acknowledged rests [`STOPS_WITHIN`] later, until it is resumed.
+//! on for as long as it plays what it has, and for [`BLIND`] more in which somebody notices. A robot that is slow and does
+//! not move may be tried faster, and is not blind then. A robot whose stop was acknowledged rests [`STOPS_WITHIN`] later,
+//! until it is resumed.
 //!
 //! Where the harness itself stood still nothing is known: time in which it did is not counted, and a stop is judged anew
 //! from there on.
@@ -11,6 +12,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use umwelt_core::controller::settings::LOOP_DELAY;
 use umwelt_core::horizon::{SLOT, WATCHDOG};
+use umwelt_core::watch::RAISED_FOR;
 
 /// Slots of the horizons that the robots get.
 pub const SLOTS: f64 = 20.0;
@@ -115,11 +117,13 @@ struct Watched {
     from: f64,
     moved: f64,
     is_counted: bool,
+    /// Whether it was seen not to move, and is tried at higher speeds.
+    is_tried: bool,
 }
 
 impl Watched {
     fn from(from: f64) -> Self {
-        Self { from, moved: 0.0, is_counted: false }
+        Self { from, moved: 0.0, is_counted: false, is_tried: false }
     }
 
     /// Takes in `duration` s of motion until `now`; whether it is now, for the first time, more than `allowed` s.
@@ -221,6 +225,15 @@ impl Judge {
     pub fn sees(&mut self, why: Blindness, now: f64) {
         self.blind.remove(&why);
         self.begins_anew(now);
+    }
+
+    /// Somebody has seen that the robot does not move, and tries it at higher speeds, as motors with a dead band need it:
+    /// it has that long, once, until it has to rest.
+    pub fn is_tried(&mut self, now: f64) {
+        let blocked = self.blind.get_mut(&Blindness::BlockedWheels);
+        if let Some(watched) = blocked.filter(|watched| !watched.is_tried) {
+            *watched = Watched { is_tried: true, ..Watched::from(now + RAISED_FOR) };
+        }
     }
 
     /// The harness has stood still until `now`.
@@ -336,6 +349,19 @@ mod tests {
         judge.sees(Blindness::FrozenTracker, 6.0);
         run(&mut judge, 6.0, 60.0, DRIVES);
         assert_eq!(judge.counts().blind, BTreeMap::new());
+    }
+
+    #[test]
+    fn a_blocked_robot_may_be_tried_faster_once_and_for_so_long() {
+        let mut judge = Judge::new("r1");
+        judge.goes_blind(Blindness::BlockedWheels, 0.0);
+        run(&mut judge, 0.0, 3.0, BLOCKED);
+        judge.is_tried(3.0);
+        run(&mut judge, 3.0, 3.0 + RAISED_FOR, BLOCKED);
+        assert_eq!(judge.counts().blind, BTreeMap::new());
+        judge.is_tried(3.0 + RAISED_FOR);
+        run(&mut judge, 3.0 + RAISED_FOR, 10.0 + RAISED_FOR, BLOCKED);
+        assert_eq!(blind(&judge, Blindness::BlockedWheels), 1, "not twice");
     }
 
     #[test]
