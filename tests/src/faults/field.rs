@@ -122,6 +122,7 @@ impl Field {
     pub async fn give_task(&self, robot: &Robot) {
         let path = format!("/v1/robots/{}/task", robot.id);
         let answer = self.call("PUT", &path, &robot.next_task()).await;
+        robot.has_next_task();
         if answer.is_some_and(|answer| matches!(answer.code, 200 | 201)) {
             robot.body.judge(|judge, now| judge.begins_anew(now));
         }

@@ -125,7 +125,12 @@ impl Robot {
         json!({"waypoints": points.collect::<Vec<Value>>()})
     }
 
-    /// Which task it has.
+    /// Its task may be the new one since it was said, and is from now on.
+    pub fn has_next_task(&self) {
+        self.tasks.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// Which task it has, another number while it is being told a new one.
     pub fn task(&self) -> u64 {
         self.tasks.load(Ordering::SeqCst)
     }
