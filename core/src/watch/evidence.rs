@@ -94,6 +94,8 @@ pub struct Sums {
     pub early: f64,
     /// Fastest speed of that part.
     pub peak: f64,
+    /// Fastest speed of all.
+    pub fastest: f64,
     /// Motion seen in the commanded direction: forward, left, turned.
     pub seen: [f64; 3],
     /// Distance or angle covered whichever way, that of each cell by itself: noise of the poses included.
@@ -223,6 +225,7 @@ impl Evidence {
             }
             sums.span += cell.span;
             sums.commanded += cell.commanded;
+            sums.fastest = sums.fastest.max(cell.peak);
             if newest - cell.until >= UNDESCRIBED_DELAY {
                 sums.early += cell.commanded;
                 sums.peak = sums.peak.max(cell.peak);

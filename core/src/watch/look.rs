@@ -26,6 +26,9 @@ const MISMATCH_TIME: f64 = 0.6;
 /// wrongly by a factor of five a fifth.
 const MOVED: f64 = 0.1;
 
+/// Part of the commanded motion from which on the robot surely moves: twice what noise may make of [`MOVED`].
+const MOVES: f64 = 2.0 * MOVED;
+
 /// Part of the commanded motion, in any direction, below which a robot stands rather than moves elsewhere.
 const ELSEWHERE: f64 = 0.3;
 
@@ -44,6 +47,9 @@ const TELLS_MISMATCH: f64 = 12.0;
 
 /// Part of its full speed above which raising a speed is no use.
 const FULL: f64 = 0.9;
+
+/// Part of the speed at which the robot was lately seen to move that is the same speed: a dead band may lie close below.
+const AS_FAST: f64 = 0.97;
 
 /// Times the smallest speed up to which a robot creeps: on a slope it may be tried faster though it crept before.
 const CREEP: f64 = 2.0;
@@ -166,10 +172,13 @@ impl Watch {
                 let how = if stands { How::Stood } else { How::Crept };
                 return Some(self.stands(settings, kind, &sums, situation.now, how));
             }
-            self.raise.succeeded();
+            if along >= MOVES {
+                self.raise.succeeded();
+            }
             if along >= HEALTHY {
                 let top = &mut self.top[kind as usize];
-                *top = sums.peak.max(TOP_MEMORY * *top);
+                // It may be the last of the commands that moved it.
+                *top = sums.fastest.max(TOP_MEMORY * *top);
                 finding = Finding::Healthy;
             }
         }
@@ -194,7 +203,7 @@ impl Watch {
         if is_full && how == How::Crept {
             return Finding::Nothing;
         }
-        if is_full || self.raise.is_over(now) {
+        if is_full || self.raise.is_over(kind, now) {
             let Sums { commanded, span, seen, .. } = *sums;
             let turning = kind == Kind::Turn;
             return self.hold(Alarm::Stuck(Compared {
@@ -348,7 +357,8 @@ pub(super) fn fast(settings: &Settings, top: [f64; 2], kind: Kind) -> f64 {
         Kind::Turn => (full.angular, drive.min_angular),
     };
     let top = top[kind as usize];
-    if top > 0.0 { FULL * full.min(top.max(CREEP * least)) } else { FULL * full }
+    let enough = FULL * full;
+    if top > 0.0 { enough.min(AS_FAST * top.max(CREEP * least)) } else { enough }
 }
 
 /// Noise of a pose in the units of the motion.

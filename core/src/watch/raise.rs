@@ -81,20 +81,25 @@ impl Floors {
 pub struct Raise {
     /// The smallest speeds.
     pub floors: Floors,
-    /// Since when, in robot time, and the floors before.
-    under_way: Option<(f64, Floors)>,
+    /// Since when each of them is raised, in robot time; none where it is not.
+    since: [Option<f64>; 2],
+    /// As they were before.
+    before: Floors,
 }
 
 impl Raise {
     /// With floors learned before.
     pub fn learned(floors: Floors) -> Self {
-        Self { floors, under_way: None }
+        Self { floors, ..Self::default() }
     }
 
     /// Raises the speed of `kind` above `peak`, at which the robot stood (or, where `crept`, hardly moved), at most to
     /// `fastest`: by a step, or to the top `at_once`. Returns the new one.
     pub fn step(&mut self, kind: Kind, now: f64, peak: f64, fastest: f64, how: How) -> f64 {
-        self.under_way.get_or_insert((now, self.floors));
+        if self.since == [None; 2] {
+            self.before = self.floors;
+        }
+        self.since[kind as usize].get_or_insert(now);
         let floor = self.floors.of(kind);
         if how != How::Crept {
             floor.dead = floor.dead.max(peak);
@@ -104,20 +109,20 @@ impl Raise {
         floor.least
     }
 
-    /// Whether speeds have been raised for too long.
-    pub fn is_over(&self, now: f64) -> bool {
-        self.under_way.is_some_and(|(since, _)| now - since > RAISED_FOR)
+    /// Whether the speed of `kind` has been raised for too long.
+    pub fn is_over(&self, kind: Kind, now: f64) -> bool {
+        self.since[kind as usize].is_some_and(|since| now - since > RAISED_FOR)
     }
 
     /// The robot moves.
     pub fn succeeded(&mut self) {
-        self.under_way = None;
+        self.since = [None; 2];
     }
 
     /// It was no matter of speed: back to what was before.
     pub fn failed(&mut self) {
-        if let Some((_, before)) = self.under_way.take() {
-            self.floors = before;
+        if self.since != [None; 2] {
+            (self.floors, self.since) = (self.before, [None; 2]);
         }
     }
 }

@@ -47,6 +47,19 @@ fn a_small_turn_beyond_a_wide_dead_band_does_not_hunt() {
     }
 }
 
+/// The same where what is left of the turn is more than the curve can take, and the way too short for the motors' speed:
+/// the speed up to which they stand is sought, and a raise lasts no longer than it may.
+#[test]
+fn a_short_turn_of_slow_acceleration_beyond_a_dead_band_gets_on_or_rests() {
+    for seed in 1..=8 {
+        for (ahead, aside) in [(5.0, 4.0), (5.0, -1.0), (5.0, 1.5)] {
+            let world = World::new(amr(), &[(ahead, aside)]);
+            let run = World { wheels: dead_band(3.0), seed, ..world }.run(70.0);
+            assert!(run.arrived.is_some(), "{seed}: {}", run.report());
+        }
+    }
+}
+
 /// The raise is learned: a second corner takes no raise.
 #[test]
 fn a_dead_band_is_learned() {
