@@ -51,19 +51,13 @@ impl Trials {
         make: impl Fn(&Settings) -> (Settings, C),
     ) -> Result<(), EpisodeError> {
         let begun = Instant::now();
-        let ComparisonSettings { environments, controller, task, start, time_limit, .. } =
-            &self.comparison;
+        let ComparisonSettings { environments, controller, time_limit, .. } = &self.comparison;
         let mut rows = Vec::new();
         for environment in environments {
             let (settings, _) = make(&Settings { slots, ..*controller });
             let scenario = Scenario {
-                settings,
-                plant: environment.plant,
-                link: environment.link.clone(),
-                task: task.clone(),
-                start: *start,
-                region: environment.region.clone(),
                 time_limit: time_limit + CALIBRATION_TIME,
+                ..self.comparison.episode(environment, settings)
             };
             let (mut times, mut deviations, mut arrived) = (Vec::new(), Vec::new(), 0);
             for seed in FIRST_SEED..FIRST_SEED + self.seeds {

@@ -38,15 +38,7 @@ pub fn drive(scenario: &str, seconds: f64, seed: u64) -> Said {
                     return said;
                 }
                 let told = contender.settings(&settings.controller);
-                let episode = Scenario {
-                    settings: told,
-                    plant: environment.plant,
-                    link: environment.link.clone(),
-                    task: settings.task.clone(),
-                    start: settings.start,
-                    region: environment.region.clone(),
-                    time_limit: settings.time_limit,
-                };
+                let episode = settings.episode(environment, told);
                 let place = format!("{}, {}, seed {seed}", environment.name, contender.label());
                 one(&episode, seed, &place, &mut said);
             }

@@ -159,18 +159,12 @@ impl Contender {
         here: usize,
         seed: u64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let ComparisonSettings { controller, task, start, time_limit, .. } = settings;
-        let told = self.settings(controller);
+        let told = self.settings(&settings.controller);
+        let limit = settings.time_limit;
         let scenario = Scenario {
-            settings: told,
-            plant: environment.plant,
-            link: environment.link.clone(),
-            task: task.clone(),
-            start: *start,
-            region: environment.region.clone(),
-            time_limit: time_limit + CALIBRATION_TIME,
+            time_limit: limit + CALIBRATION_TIME,
+            ..settings.episode(environment, told)
         };
-        let limit = *time_limit;
         match self.approach {
             Approach::FixedNormal
             | Approach::FixedBad

@@ -4,6 +4,7 @@ use super::contender::Contender;
 use super::scenario::Environment;
 use crate::controller::settings::Settings;
 use crate::controller::task::Task;
+use crate::episode::Scenario;
 use crate::geometry::Pose;
 use crate::horizon::MAX_SLOTS;
 use crate::link::LinkError;
@@ -75,6 +76,19 @@ pub enum SettingsError {
 }
 
 impl ComparisonSettings {
+    /// The comparison's task in one of its environments, driven by a controller that was told `settings`.
+    pub fn episode(&self, environment: &Environment, settings: Settings) -> Scenario {
+        Scenario {
+            settings,
+            plant: environment.plant,
+            link: environment.link.clone(),
+            task: self.task.clone(),
+            start: self.start,
+            region: environment.region.clone(),
+            time_limit: self.time_limit,
+        }
+    }
+
     /// Episodes that are compared.
     pub fn compared_episodes(&self) -> u64 {
         [self.contenders.len(), self.environments.len(), self.trials]

@@ -156,15 +156,7 @@ mod tests {
     fn the_oracle_knows_the_floor_that_it_stands_on() {
         let settings = ComparisonSettings::scenario("floor-change").unwrap();
         let it = &settings.environments[0];
-        let scenario = Scenario {
-            settings: settings.controller,
-            plant: it.plant,
-            link: it.link.clone(),
-            task: settings.task.clone(),
-            start: settings.start,
-            region: it.region.clone(),
-            time_limit: settings.time_limit,
-        };
+        let scenario = settings.episode(it, settings.controller);
         let oracle = Oracle::new(&scenario);
         let belief = Belief::new(Method::Statistic, &Prior::default(), false);
         let forward = |x: f64| oracle.model(&belief, Pose::new(x, 0.0, 0.0)).forward;

@@ -64,21 +64,12 @@ fn bad_links_are_no_fault_of_the_robot() {
 fn a_turn_that_began_the_other_way_is_a_turn() {
     use umwelt_core::comparison::ComparisonSettings;
     use umwelt_core::controller::Controller;
-    use umwelt_core::episode::Scenario;
 
     let thesis = ComparisonSettings::scenario("thesis").expect("a scenario");
     let bad = thesis.environments.iter().find(|it| it.name == "bad-link").expect("the bad link");
     let is_it = |label: String| label == "bayesian-default/20";
     let contender = thesis.contenders.iter().find(|it| is_it(it.label())).expect("a contender");
-    let scenario = Scenario {
-        settings: contender.settings(&thesis.controller),
-        plant: bad.plant,
-        link: bad.link.clone(),
-        task: thesis.task.clone(),
-        start: thesis.start,
-        region: None,
-        time_limit: thesis.time_limit,
-    };
+    let scenario = thesis.episode(bad, contender.settings(&thesis.controller));
     for seed in [1005, 1181, 1264, 1280, 1529, 2143, 2168, 2374, 3360, 3428, 4194, 4722] {
         let mut said = None;
         let driven = scenario.drive(Controller::new(scenario.settings), seed, |_, controller| {

@@ -100,16 +100,7 @@ async fn real_runs_fall_within_the_simulated_distribution() {
     let bad = thesis.environments.iter().find(|it| it.name == "bad-link").unwrap();
     let scenario = |label: &'static str| {
         let contender = thesis.contenders.iter().find(|it| it.label() == label).unwrap();
-        let scenario = Scenario {
-            settings: contender.settings(&thesis.controller),
-            plant: bad.plant,
-            link: bad.link.clone(),
-            task: thesis.task.clone(),
-            start: thesis.start,
-            region: None,
-            time_limit: thesis.time_limit,
-        };
-        (label, scenario)
+        (label, thesis.episode(bad, contender.settings(&thesis.controller)))
     };
     let scenarios = ["statistic/1", "bayesian-default/20"].map(scenario);
     let driven = drive(&scenarios).await;
