@@ -158,6 +158,18 @@ impl Detail {
     }
 }
 
+impl std::fmt::Display for Detail {
+    /// The field, what it held where that is repeated, and what to do.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { field, value, remedy, .. } = self;
+        match (field.is_empty(), value.is_null()) {
+            (true, _) => write!(f, "{remedy}"),
+            (false, true) => write!(f, "{field}: {remedy}"),
+            (false, false) => write!(f, "{field} is {value}: {remedy}"),
+        }
+    }
+}
+
 impl Detail {
     /// The same with every hidden character of its texts escaped.
     fn visible(self) -> Self {

@@ -68,13 +68,7 @@ impl From<Detail> for Problems {
 impl std::fmt::Display for Problems {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Some(first) = self.details.first() else { return f.write_str("no problem") };
-        let Detail { reason, field, value, remedy } = first;
-        match (field.is_empty(), value.is_null()) {
-            (true, _) => write!(f, "{reason}: {remedy}")?,
-            // It held nothing, or what is not repeated: a list, an object.
-            (false, true) => write!(f, "{reason}: {field}: {remedy}")?,
-            (false, false) => write!(f, "{reason}: {field} is {value}: {remedy}")?,
-        }
+        write!(f, "{}: {first}", first.reason)?;
         match self.count {
             0 | 1 => Ok(()),
             count => write!(f, " (and {} more)", count - 1),

@@ -1,7 +1,7 @@
 //! What a pose looks like on a line, and what is no pose.
 
 use serde::{Deserialize, Deserializer};
-use umwelt_client::api::problem::{Detail, Problems};
+use umwelt_client::api::Problems;
 use umwelt_client::api::step::{HEADING, MAX_SPEED};
 use umwelt_client::api::task::COORDINATE;
 use umwelt_client::api::{Range, body};
@@ -183,15 +183,7 @@ fn in_range(field: &'static str, value: f64, range: Range) -> Result<(), LineErr
 
 /// What is wrong with a line: the field, what it holds and what to do.
 fn in_words(found: &Problems) -> String {
-    let words = |detail: &Detail| {
-        let Detail { field, value, remedy, .. } = detail;
-        match (field.is_empty(), value.is_null()) {
-            (true, _) => remedy.clone(),
-            (false, true) => format!("{field}: {remedy}"),
-            (false, false) => format!("{field} is {value}: {remedy}"),
-        }
-    };
-    found.details().iter().map(words).collect::<Vec<_>>().join("; ")
+    found.details().iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// Whether a line that cannot be read names what restrains the robot.
