@@ -42,6 +42,7 @@ mod fleet;
 mod frames;
 mod guard;
 mod jobs;
+mod memory;
 pub mod offline;
 mod priors;
 mod robot;

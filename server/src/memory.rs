@@ -7,8 +7,8 @@ use tokio::time::sleep;
 /// How often it is looked how large the process is.
 const EVERY: Duration = Duration::from_secs(5);
 
-/// Longest time between two attempts that come to nothing: each holds up others that allocate for some milliseconds.
-const AT_LEAST_EVERY: u32 = 120;
+/// Most looks between two attempts that come to nothing, ten minutes: each holds up others that allocate for some milliseconds.
+const MOST_LOOKS: u32 = 120;
 
 /// Growth in bytes that is worth an attempt.
 const MUCH: u64 = 16 * 1024 * 1024;
@@ -62,7 +62,7 @@ impl Turns {
     /// An attempt took the process from `before` to `after`.
     fn done(&mut self, before: u64, after: u64) {
         let is_worth = before > after + MUCH / 4;
-        self.pause = if is_worth { 1 } else { (2 * self.pause).min(AT_LEAST_EVERY) };
+        self.pause = if is_worth { 1 } else { (2 * self.pause).min(MOST_LOOKS) };
         (self.last, self.left) = (after, self.pause);
     }
 }

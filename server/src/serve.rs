@@ -7,6 +7,7 @@ use crate::connection::{self, Times};
 use crate::feed::Feed;
 use crate::fleet::{Fleet, Stops};
 use crate::jobs::{Jobs, Limits, Pool};
+use crate::memory;
 use crate::priors::Priors;
 use crate::robot::{Common, Workers};
 use crate::router::router;
@@ -125,7 +126,7 @@ impl Server {
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> io::Result<()> {
         let Self { app, router, listener, .. } = self;
         let door = Door::new(&app.config, router);
-        let tidying = tokio::spawn(budget::give_back_what_is_free());
+        let tidying = tokio::spawn(memory::give_back_what_is_free());
         tokio::select! {
             () = door.accept(&listener) => {}
             () = shutdown => {}

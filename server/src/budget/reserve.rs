@@ -13,10 +13,9 @@ pub(crate) fn reserved(router: Router, limit: usize) -> Router {
         let mut response = if is_reserved(request.method(), request.uri().path()) {
             next.run(request).await
         } else {
-            let mut refused = failure::limit_reached("connections", limit).into_response();
-            guard::mark(&mut refused);
-            refused
+            failure::limit_reached("connections", limit).into_response()
         };
+        guard::mark(&mut response);
         leave(&mut response);
         response
     }))
