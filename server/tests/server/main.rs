@@ -19,6 +19,7 @@ mod offline;
 mod priors;
 mod process;
 mod recovery;
+mod request_log;
 mod robots;
 mod shutdown;
 mod sockets;
