@@ -8,7 +8,7 @@ use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_
 use std::hint::black_box;
 use std::time::Duration;
 use thesis::{cycles, run, scenario};
-use umwelt_core::controller::settings::PredictorKind;
+use umwelt_core::settings::PredictorKind;
 
 fn cycle(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("cycle");

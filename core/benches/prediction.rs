@@ -6,7 +6,7 @@ use criterion::{BatchSize, Criterion, SamplingMode, Throughput, criterion_group,
 use std::hint::black_box;
 use std::time::Duration;
 use thesis::{cycles, run, scenario};
-use umwelt_core::controller::settings::{PoseNoise, PredictorKind};
+use umwelt_core::settings::{PoseNoise, PredictorKind};
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Pose, Twist};
 use umwelt_core::horizon::SLOT;

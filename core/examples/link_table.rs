@@ -6,8 +6,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use umwelt_core::controller::settings::{PoseNoise, Settings};
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 use umwelt_core::episode::{Scenario, TIME_LIMIT};
 use umwelt_core::geometry::Pose;
 use umwelt_core::link::{LinkModel, PRESETS};

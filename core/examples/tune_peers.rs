@@ -11,7 +11,7 @@ use std::time::Instant;
 use umwelt_core::comparison::ComparisonSettings;
 use umwelt_core::controller::Controller;
 use umwelt_core::controller::compensation::Compensation;
-use umwelt_core::controller::settings::{Attribution, Settings};
+use umwelt_core::settings::{Attribution, Settings};
 use umwelt_core::episode::{EpisodeError, Scenario};
 use umwelt_core::peers::{
     EkfPacket, EkfTuning, GpMpc, GpMpcTuning, GpTuning, MpcTuning, NoCompensation, SlidingMode,

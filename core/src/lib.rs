@@ -8,24 +8,18 @@
 //! [`steering`] -> [`horizon`] -> [`actuation`] (the robot again). [`episode`] closes that loop in simulated time over a
 //! simulated [`link`] and [`plant`].
 
-pub mod actuation;
-pub mod commands;
+mod control;
+mod robot;
+mod simulation;
+
 pub mod comparison;
-pub mod conjugate;
-pub mod controller;
-mod draws;
-pub mod episode;
 pub mod evolution;
-pub mod exchange;
-pub mod geometry;
-pub mod horizon;
-pub mod identification;
-pub mod kinematics;
-pub mod link;
-pub mod local;
 pub mod peers;
-pub mod plant;
-pub mod prediction;
 mod seeds;
-pub mod steering;
-pub mod watch;
+
+pub use control::{
+    commands, conjugate, controller, identification, prediction, settings, steering, task, watch,
+};
+pub use robot::{actuation, exchange, geometry, horizon, kinematics, local};
+pub(crate) use simulation::draws;
+pub use simulation::{episode, link, plant};

@@ -1,8 +1,8 @@
 //! A control cycle allocates nothing: an episode of twice the length allocates as often.
 
 use allocation_counter::measure;
-use umwelt_core::controller::settings::{PoseNoise, Settings};
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Point, Pose};
 use umwelt_core::link::LinkModel;

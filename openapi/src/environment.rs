@@ -220,7 +220,7 @@ fn note(link: &estimate::LinkEstimate) -> Option<String> {
 mod tests {
     use super::*;
     use crate::evolution::Optimizer;
-    use umwelt_core::controller::settings;
+    use umwelt_core::settings;
 
     fn environment(number: f64, samples: u64, late: u64) -> Environment {
         let channel = |channel| estimate::ChannelEstimate {

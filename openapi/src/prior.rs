@@ -8,7 +8,7 @@ use crate::named::Known;
 use crate::problem::Problems;
 use crate::robot;
 use serde::{Deserialize, Serialize};
-use umwelt_core::controller::settings;
+use umwelt_core::settings;
 use umwelt_core::identification::BUILT_IN_PRIORS;
 use utoipa::ToSchema;
 

@@ -7,7 +7,7 @@ use crate::number;
 use crate::problem::Problems;
 use crate::watch;
 use serde::{Deserialize, Serialize};
-use umwelt_core::controller::task::{self, MAX_WAYPOINTS};
+use umwelt_core::task::{self, MAX_WAYPOINTS};
 use umwelt_core::geometry::Point;
 use utoipa::ToSchema;
 

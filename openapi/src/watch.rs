@@ -1,7 +1,7 @@
 //! What the watch over commanded and seen motion finds.
 
 use serde::{Deserialize, Serialize};
-use umwelt_core::controller::task::Limit as CoreLimit;
+use umwelt_core::task::Limit as CoreLimit;
 use umwelt_core::watch::{Alarm, Condition};
 use utoipa::ToSchema;
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use tokio::sync::{OwnedRwLockReadGuard, OwnedRwLockWriteGuard};
 use umwelt_api::prior::{self, Source, Spec};
 use umwelt_api::{Known, PriorId, RobotId};
-use umwelt_core::controller::settings::Prior;
+use umwelt_core::settings::Prior;
 use umwelt_core::identification::{BUILT_IN_PRIORS, about_built_in};
 
 /// Most priors that are kept, about 2 kB each.

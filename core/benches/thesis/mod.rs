@@ -1,7 +1,7 @@
 //! The episode that the benches run: the thesis's task on a hard floor, seen by a camera.
 
-use umwelt_core::controller::settings::{PoseNoise, PredictorKind, Settings};
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::{PoseNoise, PredictorKind, Settings};
+use umwelt_core::task::Task;
 use umwelt_core::episode::{Scenario, TIME_LIMIT};
 use umwelt_core::geometry::Pose;
 use umwelt_core::horizon::SLOT;

@@ -8,8 +8,8 @@
 use super::witness::{Coverage, Witness};
 use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::Controller;
-use crate::controller::settings::{Attribution, Method, PoseNoise, Prior, Settings};
-use crate::controller::task::Task;
+use crate::settings::{Attribution, Method, PoseNoise, Prior, Settings};
+use crate::task::Task;
 use crate::episode::{EpisodeError, Scenario};
 use crate::geometry::{Point, Pose};
 use crate::identification::estimate::{Channel, LEVEL};

@@ -7,7 +7,7 @@ use super::witness::{Errors, Oracle, Witness};
 use crate::conjugate::SampleStatistics;
 use crate::controller::Controller;
 use crate::controller::compensation::Compensation;
-use crate::controller::settings::{Attribution, Method, Prior, Settings};
+use crate::settings::{Attribution, Method, Prior, Settings};
 use crate::episode::{Outcome, Scenario};
 use crate::identification::estimate::Channel;
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};

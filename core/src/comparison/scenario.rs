@@ -4,8 +4,8 @@
 
 use super::contender;
 use super::settings::ComparisonSettings;
-use crate::controller::settings::{PoseNoise, Settings};
-use crate::controller::task::Task;
+use crate::settings::{PoseNoise, Settings};
+use crate::task::Task;
 use crate::episode::Region;
 use crate::geometry::{Point, Pose};
 use crate::kinematics::Drive;

@@ -2,8 +2,8 @@
 
 use super::contender::Contender;
 use super::scenario::Environment;
-use crate::controller::settings::Settings;
-use crate::controller::task::Task;
+use crate::settings::Settings;
+use crate::task::Task;
 use crate::episode::Scenario;
 use crate::geometry::Pose;
 use crate::horizon::MAX_SLOTS;

@@ -149,7 +149,7 @@ impl Compensation for Oracle {
 mod tests {
     use super::*;
     use crate::comparison::ComparisonSettings;
-    use crate::controller::settings::{Method, Prior};
+    use crate::settings::{Method, Prior};
 
     /// The bug to fear: an oracle that knows the wrong floor, and so a bound that is none.
     #[test]

@@ -4,7 +4,7 @@ use super::Evaluation;
 use super::environment::TrainingEnvironment;
 use super::genetic::ranking;
 use super::genome::{self, Genome};
-use crate::controller::settings::Prior;
+use crate::settings::Prior;
 use serde::{Deserialize, Serialize};
 
 /// The best and the mean of a generation's individuals.

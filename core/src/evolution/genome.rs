@@ -1,7 +1,7 @@
 //! A genome: numbers, each with its domain; as a prior, four for every channel that the method uses.
 
 use crate::conjugate::NormalInverseChiSquared;
-use crate::controller::settings::Prior;
+use crate::settings::Prior;
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 

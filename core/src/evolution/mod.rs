@@ -52,7 +52,7 @@ pub use settings::{
 };
 
 use crate::conjugate::SampleStatistics;
-use crate::controller::settings::{Method, PoseNoise, Prior, Settings};
+use crate::settings::{Method, PoseNoise, Prior, Settings};
 use crate::episode::Scenario;
 use crate::geometry::Pose;
 use crate::identification::estimate::Channel;

@@ -2,7 +2,7 @@
 
 use super::environment::TrainingEnvironment;
 use crate::conjugate::student_t_half_width;
-use crate::controller::settings::Prior;
+use crate::settings::Prior;
 use serde::{Deserialize, Serialize};
 
 /// Probability mass of every interval of a report.

@@ -2,8 +2,8 @@
 
 use super::environment::{FitnessLimits, TrainingEnvironment};
 use super::genetic::GeneticSettings;
-use crate::controller::settings::{PoseNoise, Settings};
-use crate::controller::task::Task;
+use crate::settings::{PoseNoise, Settings};
+use crate::task::Task;
 use crate::link::{Link, LinkError};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! The whole of an evolution: what it says, and that nobody can tell how it was run.
 
 use super::*;
-use crate::controller::task::Task;
+use crate::task::Task;
 use crate::geometry::Point;
 use std::collections::BTreeSet;
 

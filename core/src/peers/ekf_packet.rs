@@ -18,7 +18,7 @@
 
 use super::heedless;
 use crate::controller::compensation::Compensation;
-use crate::controller::settings::{Attribution, Settings};
+use crate::settings::{Attribution, Settings};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose};
 use crate::identification::Belief;
@@ -150,7 +150,7 @@ impl Compensation for EkfPacket {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::settings::PoseNoise;
+    use crate::settings::PoseNoise;
     use crate::controller::{BELIEVED_AGAIN, Controller};
     use crate::exchange::Request;
     use rand::SeedableRng;

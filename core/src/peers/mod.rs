@@ -29,7 +29,7 @@ pub use no_compensation::NoCompensation;
 pub use sliding_mode::{DelayChain, SlidingMode, SlidingTuning};
 pub use stop_when_stale::{StaleTuning, StopWhenStale};
 
-use crate::controller::settings::{Method, Settings, VarianceLimits};
+use crate::settings::{Method, Settings, VarianceLimits};
 
 /// What every peer's controller is told: no identification of the floor, and no slowing down for what it does not know.
 pub fn heedless(told: &Settings) -> Settings {

@@ -1,7 +1,7 @@
 //! `no-compensation`: what a controller does that was written for a wire.
 
 use crate::controller::compensation::Compensation;
-use crate::controller::settings::Settings;
+use crate::settings::Settings;
 use crate::geometry::Pose;
 use crate::prediction::Prediction;
 

@@ -2,7 +2,7 @@
 
 use super::heedless;
 use crate::controller::compensation::Compensation;
-use crate::controller::settings::Settings;
+use crate::settings::Settings;
 
 /// The times after which it stops.
 #[derive(Clone, Copy, Debug, PartialEq)]

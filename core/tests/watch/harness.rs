@@ -5,8 +5,8 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 use std::collections::VecDeque;
 use umwelt_core::actuation::Actuation;
-use umwelt_core::controller::settings::Settings;
-use umwelt_core::controller::task::{Stage, Task};
+use umwelt_core::settings::Settings;
+use umwelt_core::task::{Stage, Task};
 use umwelt_core::controller::{Controller, Event};
 use umwelt_core::exchange::{Exchange, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, Twist, WheelSpeeds};
@@ -112,7 +112,7 @@ impl World {
     /// A robot on its way to `to`, with nothing wrong, seen 30 times a second with the noise of a camera.
     pub fn new(drive: Drive, to: &[(f64, f64)]) -> Self {
         let waypoints = to.iter().map(|&(x, y)| Point::new(x, y)).collect();
-        let steering = umwelt_core::controller::settings::SteeringSettings {
+        let steering = umwelt_core::settings::SteeringSettings {
             alpha: drive.max_linear.max(0.2),
             ..Default::default()
         };

@@ -19,8 +19,8 @@ fn ordinary_driving_raises_no_alarm() {
 #[test]
 fn bad_links_are_no_fault_of_the_robot() {
     use umwelt_core::controller::Controller;
-    use umwelt_core::controller::settings::{PoseNoise, Settings};
-    use umwelt_core::controller::task::Task;
+    use umwelt_core::settings::{PoseNoise, Settings};
+    use umwelt_core::task::Task;
     use umwelt_core::episode::{Scenario, TIME_LIMIT};
     use umwelt_core::geometry::Pose;
     use umwelt_core::link::LinkModel;

@@ -14,7 +14,7 @@ use umwelt_core::comparison::{
     self, BASELINE, CHAMPION, ComparisonSettings, Contender, PROMISED_DEVIATION, PROMISED_TIME,
     method_names,
 };
-use umwelt_core::controller::settings::Prior;
+use umwelt_core::settings::Prior;
 use umwelt_core::evolution;
 
 impl Request {

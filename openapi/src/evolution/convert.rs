@@ -10,7 +10,7 @@ use crate::named::Known;
 use crate::number::known as finite;
 use crate::prior;
 use crate::problem::{Problems, reason};
-use umwelt_core::controller::settings::Settings;
+use umwelt_core::settings::Settings;
 use umwelt_core::evolution::{
     self, EvolutionSettings, FitnessLimits, GeneticSettings, TrainingEnvironment,
 };

@@ -2,7 +2,7 @@
 
 use crate::check::{Check, Checked, Range};
 use serde::{Deserialize, Serialize};
-use umwelt_core::controller::settings;
+use umwelt_core::settings;
 use utoipa::ToSchema;
 
 /// Most agents: their steps must fit into a control cycle.

@@ -2,7 +2,7 @@
 
 use crate::check::{Check, Checked, Range};
 use serde::{Deserialize, Serialize};
-use umwelt_core::controller::settings::PoseNoise;
+use umwelt_core::settings::PoseNoise;
 use umwelt_core::kinematics;
 use utoipa::ToSchema;
 

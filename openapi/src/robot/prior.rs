@@ -5,7 +5,7 @@ use crate::id::PriorId;
 use crate::named::NameOr;
 use serde::{Deserialize, Deserializer, Serialize};
 use umwelt_core::conjugate::{ConjugateError, NormalInverseChiSquared};
-use umwelt_core::controller::settings;
+use umwelt_core::settings;
 use utoipa::ToSchema;
 
 /// An error of ten times the commanded motion is no error ratio any more.

@@ -6,7 +6,7 @@ use crate::check::{Check, Checked, Range};
 use crate::named::Known;
 use crate::problem::{Problems, reason};
 use serde::{Deserialize, Serialize};
-use umwelt_core::controller::settings::{self, Settings};
+use umwelt_core::settings::{self, Settings};
 use umwelt_core::horizon::{MAX_SLOTS, SLOT};
 use utoipa::ToSchema;
 

@@ -7,7 +7,7 @@ use crate::{prior, robot, training};
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
-use umwelt_core::controller::settings::Prior;
+use umwelt_core::settings::Prior;
 use umwelt_core::evolution::{ENVIRONMENTS, Fitness, TrainingEnvironment};
 use umwelt_core::identification::BUILT_IN_PRIORS;
 use umwelt_core::link::{

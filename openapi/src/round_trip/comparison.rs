@@ -11,7 +11,7 @@ use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
 use umwelt_core::comparison as core;
 use umwelt_core::comparison::{ComparisonSettings, Contender, SCENARIOS};
-use umwelt_core::controller::settings::Prior;
+use umwelt_core::settings::Prior;
 use umwelt_core::identification::BUILT_IN_PRIORS;
 
 fn thesis() -> ComparisonSettings {

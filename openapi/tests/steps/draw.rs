@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use umwelt_api::prior::built_in;
 use umwelt_api::robot::{self, MAX_INTEGER};
 use umwelt_api::{Range, step, task as wire_task};
-use umwelt_core::controller::settings::Settings;
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::Settings;
+use umwelt_core::task::Task;
 use umwelt_core::exchange::{MAX_DELIVERIES, MAX_OBSERVATIONS};
 use umwelt_core::horizon::{MAX_SLOTS, SLOT};
 

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use umwelt_api::robot::LOOP_DELAY;
-use umwelt_core::controller::settings::Attribution;
+use umwelt_core::settings::Attribution;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::Twist;

@@ -23,8 +23,8 @@ use std::sync::{Arc, PoisonError, RwLock};
 use tokio::sync::{Mutex, Notify};
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
-use umwelt_core::controller::settings::Settings;
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::Settings;
+use umwelt_core::task::Task;
 
 /// What a PUT did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

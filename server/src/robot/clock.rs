@@ -56,8 +56,8 @@ mod tests {
     use proptest::prelude::*;
     use umwelt_core::actuation::Playing;
     use umwelt_core::controller::Controller;
-    use umwelt_core::controller::settings::Settings;
-    use umwelt_core::controller::task::Task;
+    use umwelt_core::settings::Settings;
+    use umwelt_core::task::Task;
     use umwelt_core::geometry::Pose;
 
     fn request(sequence: u64, sent: f64, taken: f64) -> Request {

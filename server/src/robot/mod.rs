@@ -337,7 +337,7 @@ impl From<Refusal> for Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umwelt_core::controller::settings::Settings;
+    use umwelt_core::settings::Settings;
     use umwelt_core::exchange::Request;
 
     impl Robot {

@@ -4,7 +4,7 @@ use super::clock::RobotClock;
 use umwelt_api::RobotId;
 use umwelt_api::event::Kind;
 use umwelt_core::controller::Event;
-use umwelt_core::controller::task::Progress;
+use umwelt_core::task::Progress;
 
 /// Says in the log what the watch finds.
 pub(super) fn warn(robot: &RobotId, event: &Event) {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
-use umwelt_core::controller::settings::{Prior, Settings};
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::{Prior, Settings};
+use umwelt_core::task::Task;
 
 /// What is kept of one robot.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! The rules of a store, held against both of them: what one does differently is found here.
 
 use super::*;
-use umwelt_core::controller::settings::{Prior, Settings};
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::{Prior, Settings};
+use umwelt_core::task::Task;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::geometry::Point;
 

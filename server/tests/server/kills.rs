@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::tempdir;
 use umwelt_core::controller::Controller;
-use umwelt_core::controller::settings::{Prior, Settings};
+use umwelt_core::settings::{Prior, Settings};
 use umwelt_server::Store;
 use umwelt_server::store::{
     Change, Contents, JobId, JobKind, Posterior, PriorSource, Record, SqliteStore, StoredJob,

@@ -10,7 +10,7 @@
 
 use serde::Serialize;
 use std::collections::BTreeMap;
-use umwelt_core::controller::settings::LOOP_DELAY;
+use umwelt_core::settings::LOOP_DELAY;
 use umwelt_core::horizon::{SLOT, WATCHDOG};
 use umwelt_core::watch::RAISED_FOR;
 

@@ -4,7 +4,7 @@ use crate::{ARRIVAL, give, passed, straight_to};
 use umwelt_api::RobotId;
 use umwelt_api::robot::State;
 use umwelt_api::task::Stage;
-use umwelt_core::controller::settings::Settings;
+use umwelt_core::settings::Settings;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::Pose;
 use umwelt_core::link::LinkModel;

@@ -21,7 +21,7 @@ use umwelt_api::RobotId;
 use umwelt_api::robot::Pose;
 use umwelt_api::task::Stage;
 use umwelt_client::Client;
-use umwelt_core::controller::task::{TOLERANCE, Task};
+use umwelt_core::task::{TOLERANCE, Task};
 use umwelt_core::geometry::Point;
 use umwelt_tests::process::{Process, SOON, Signal};
 use umwelt_tests::rover::id;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use umwelt_agent::TraceRow;
-use umwelt_core::controller::task::{TOLERANCE, Task};
+use umwelt_core::task::{TOLERANCE, Task};
 use umwelt_core::geometry::{Point, Pose, Twist, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
 use umwelt_core::kinematics::{self, Drive};

@@ -22,7 +22,7 @@ pub use shooting::MpcTuning;
 
 use super::heedless;
 use crate::controller::compensation::{Compensation, Way};
-use crate::controller::settings::{Attribution, PoseNoise, Settings};
+use crate::settings::{Attribution, PoseNoise, Settings};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, Twist};
 use crate::identification::Belief;

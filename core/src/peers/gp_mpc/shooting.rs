@@ -1,7 +1,7 @@
 //! A short model predictive controller that shoots: turns in two pieces, tried out on the kinematic model.
 
 use crate::controller::compensation::Way;
-use crate::controller::settings::Settings;
+use crate::settings::Settings;
 use crate::geometry::elementary::{least, most, sin_cos};
 use crate::geometry::{Twist, length};
 use crate::kinematics::Drive;

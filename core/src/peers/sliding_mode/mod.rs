@@ -30,7 +30,7 @@ pub use chain::DelayChain;
 use super::heedless;
 use super::line::Line;
 use crate::controller::compensation::{Compensation, Way};
-use crate::controller::settings::{Attribution, Settings};
+use crate::settings::{Attribution, Settings};
 use crate::exchange::Delivery;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Pose, Twist};

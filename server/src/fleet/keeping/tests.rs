@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex};
 use tempfile::tempdir;
 use tokio::runtime::Runtime;
-use umwelt_core::controller::settings::Settings;
+use umwelt_core::settings::Settings;
 
 const ROBOTS: usize = 3;
 

@@ -7,8 +7,8 @@ use crate::store::{PriorSource, Record, StoredPrior};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use umwelt_core::controller::Saved;
-use umwelt_core::controller::settings::{Prior, Settings};
-use umwelt_core::controller::task::Task;
+use umwelt_core::settings::{Prior, Settings};
+use umwelt_core::task::Task;
 
 /// Version of the documents of robots and of priors.
 const VERSION: u32 = 1;

@@ -221,7 +221,7 @@ fn tables_that_are_not_as_they_were_made_are_damage() {
 #[test]
 fn a_database_of_version_2_opens_and_gets_checksums() {
     let directory = tempdir().unwrap();
-    let by_hand = include_str!("../version-2-example.sql");
+    let by_hand = include_str!("version-2-example.sql");
     let all = [MIGRATIONS[0], MIGRATIONS[1], by_hand].concat();
     beside(&directory).execute_batch(&all).unwrap();
     assert_eq!(check(directory.path(), false).unwrap().damaged, [], "there is nothing to compare");

@@ -1,0 +1,291 @@
+//! One robot: observe, identify, predict, steer, limit by variance, command a horizon.
+//!
+//! [`Controller::step`] is the whole of it: a pure transition from state and request to state and horizon. The
+//! state can be stored and restored; the same state and requests give the same horizons.
+
+pub mod compensation;
+mod heard;
+mod news;
+mod observing;
+mod orders;
+mod plan;
+mod planning;
+mod record;
+mod saved;
+mod watching;
+
+use crate::commands::Commands;
+use crate::exchange::{Observation, Request};
+use crate::geometry::{Point, WheelSpeeds};
+use crate::horizon::{Horizon, SLOT};
+use crate::identification::estimate::Environment;
+use crate::identification::{Belief, ChannelBelief, Window};
+use crate::watch::{Alarm, Watch};
+use arrayvec::ArrayVec;
+use compensation::{Compensation, Identified};
+use heard::{Change, Heard};
+pub use news::GROWTH;
+use plan::{Phase, Phases};
+use record::Record;
+pub use saved::Saved;
+use serde::{Deserialize, Serialize};
+use crate::settings::Settings;
+use crate::task::{Limit, Progress, Stage, Task};
+
+/// Version of the stored state; a state of another version is not taken up.
+pub const STATE_VERSION: u32 = 3;
+
+/// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
+pub const BELIEVED_AGAIN: u32 = 5;
+
+/// Something that happened in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A pose was set aside: the robot cannot have moved there.
+    PoseSetAside {
+        /// The pose.
+        observation: Observation,
+        /// Distance in m from where it was predicted.
+        distance: f64,
+    },
+    /// Several consistent poses in a row are believed again.
+    PosesBelievedAgain,
+    /// The calibration is over; the task's time begins.
+    CalibrationEnded,
+    /// The robot was seen at rest at a waypoint.
+    WaypointReached {
+        /// Index of the waypoint.
+        leg: usize,
+    },
+    /// The last waypoint was reached.
+    Arrived,
+    /// The watch found something.
+    Found {
+        /// What.
+        alarm: Alarm,
+        /// Whether the robot rests for it.
+        rests: bool,
+    },
+    /// What the watch had found is over by itself.
+    Over(Alarm),
+}
+
+/// The answer to one request.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// What the robot is to play.
+    pub horizon: Horizon,
+    /// What happened.
+    pub events: Events,
+}
+
+/// What happens in one step.
+pub type Events = ArrayVec<Event, 8>;
+
+/// What is known of the robot's motion up to its last accepted pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Track {
+    last: Observation,
+    /// What the commands make the wheels do at that time, lag included.
+    wheels: WheelSpeeds,
+    window: Window,
+    /// Smoothed time in s between poses.
+    interval: f64,
+}
+
+/// Poses that are set aside for now: the last one and how many in a row agree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Doubt {
+    last: Observation,
+    count: u32,
+}
+
+/// The controller of one robot. Which decisions it takes otherwise than by what it has identified is its
+/// [compensation](Compensation)'s to say.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Controller<C = Identified> {
+    version: u32,
+    settings: Settings,
+    /// Its state is not stored: a server's controller has none.
+    #[serde(skip)]
+    compensation: C,
+    belief: Belief,
+    commands: Commands,
+    track: Option<Track>,
+    doubt: Option<Doubt>,
+    task: Option<Task>,
+    phase: Phase,
+    /// The phases of the plan in force, which is the newest horizon sent; empty where it holds no longer.
+    phases: Phases,
+    record: Record,
+    stopped: bool,
+    watch: Watch,
+    /// What was believed while the robot was still seen to move as commanded: at least so long before the last look that
+    /// found it so as a look looks back, and at that look or before.
+    healthy: Option<[[ChannelBelief; 4]; 2]>,
+    /// Robot time in s of the newer one; none for those of the beginning.
+    healthy_at: Option<f64>,
+    /// What limits the speed at the start of the newest horizon.
+    limit: Option<Limit>,
+    /// What the robot itself allows.
+    #[serde(default)]
+    heard: Heard,
+}
+
+impl Controller {
+    /// A controller that has seen nothing yet.
+    pub fn new(settings: Settings) -> Self {
+        Self::with(settings, Identified)
+    }
+}
+
+impl<C: Compensation> Controller<C> {
+    /// A controller that has seen nothing yet and decides by `compensation`.
+    pub fn with(settings: Settings, compensation: C) -> Self {
+        Self {
+            version: STATE_VERSION,
+            compensation,
+            belief: Belief::new(settings.method, &settings.prior, settings.drift),
+            settings,
+            commands: Commands::default(),
+            track: None,
+            doubt: None,
+            task: None,
+            phase: Phase::Idle,
+            phases: Phases::new(),
+            record: Record::default(),
+            stopped: false,
+            watch: Watch::default(),
+            healthy: None,
+            healthy_at: None,
+            limit: None,
+            heard: Heard::default(),
+        }
+    }
+
+    /// Whether a stored state is of this version.
+    pub fn is_current(&self) -> bool {
+        self.version == STATE_VERSION
+    }
+
+    /// Answers one request: learns from its reports and poses, and plans the next horizon.
+    pub fn step(&mut self, request: &Request) -> Output {
+        let mut events = ArrayVec::new();
+        let horizon = self.answer(request, &mut events).clone();
+        Output { horizon, events }
+    }
+
+    /// [`Controller::step`] without copies of what is large: the horizon stays where it is remembered.
+    pub fn answer(&mut self, request: &Request, events: &mut Events) -> &Horizon {
+        self.learn(request);
+        self.heed(request);
+        for observation in &request.observations {
+            self.observe(*observation, events);
+        }
+        self.watch_age(request.sent, events);
+        self.command(request)
+    }
+
+    /// A request that was overtaken by a newer one: it teaches the link model and changes nothing else.
+    /// Returns the newest horizon.
+    pub fn late(&mut self, request: &Request) -> Option<Horizon> {
+        for delivery in &request.deliveries {
+            self.belief.link.update(delivery);
+            self.compensation.learn(delivery);
+        }
+        self.newest().cloned()
+    }
+
+    /// The newest horizon sent.
+    pub fn newest(&self) -> Option<&Horizon> {
+        self.commands.newest()
+    }
+
+    fn learn(&mut self, request: &Request) {
+        self.belief.link.request(request.sequence, request.observations.last());
+        for delivery in &request.deliveries {
+            self.belief.link.update(delivery);
+            self.compensation.learn(delivery);
+        }
+        if let Some(playing) = request.playing {
+            self.commands.report(playing, request.sent);
+        }
+    }
+
+    /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn
+    /// toward its waypoint; nothing is learned from what it did meanwhile ([`Heard::was_away`]).
+    fn heed(&mut self, request: &Request) {
+        let Settings { drive, attribution, .. } = self.settings;
+        let change = self.heard.take(request, &drive);
+        if change == Change::Rests {
+            self.commands.interrupt(request.sequence, attribution, &drive, request.sent);
+        }
+        if change != Change::None {
+            self.phase = self.phase.resumed();
+            self.phases.clear();
+        }
+        if self.heard.was_away(request.sent, f64::INFINITY) {
+            self.pause_watch();
+        }
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The task.
+    pub fn task(&self) -> Option<&Task> {
+        self.task.as_ref()
+    }
+
+    /// The segment of the current leg, once the task has begun and until it is done.
+    pub fn leg(&self) -> Option<(Point, Point)> {
+        self.record.leg(self.task.as_ref()?)
+    }
+
+    /// How far the task has got.
+    pub fn progress(&self) -> Progress {
+        let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
+        let stage = if legs == 0 { Stage::Idle } else { self.phase.stage() };
+        Progress {
+            limited_by: self.limit,
+            watch: self.watch.state().map(|(alarm, _)| alarm.condition()),
+            ..self.record.progress(stage, legs)
+        }
+    }
+
+    /// Whether the task is done: the stage of [`Controller::progress`] without the rest.
+    pub fn has_arrived(&self) -> bool {
+        self.task.is_some() && self.phase == Phase::Arrived
+    }
+
+    /// The identified environment.
+    pub fn environment(&self) -> Environment {
+        self.belief.environment()
+    }
+
+    /// What is believed, for those who measure it.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// What it decides by.
+    pub fn compensation(&self) -> &C {
+        &self.compensation
+    }
+
+    /// The last accepted pose.
+    pub fn pose(&self) -> Option<Observation> {
+        self.track.map(|track| track.last)
+    }
+}
+
+impl Track {
+    fn new(observation: Observation, wheels: WheelSpeeds) -> Self {
+        Self { last: observation, wheels, window: Window::new(observation), interval: SLOT }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,162 @@
+//! What a pose teaches: it is believed or set aside, closes windows of motion, and shows how far the task has got.
+
+use super::compensation::Compensation;
+use super::plan::{Phase, REST_SLOTS};
+use crate::settings::{Attribution, Settings};
+use super::{BELIEVED_AGAIN, Controller, Doubt, Event, Events, Track};
+use crate::exchange::Observation;
+use crate::geometry::{Displacement, Pose, WheelSpeeds};
+use crate::identification::{Verdict, Window};
+use crate::kinematics;
+
+/// A gap between poses in s, beyond which a window of motion begins anew.
+const MAX_GAP: f64 = 0.5;
+
+/// Margin of a believable pose in m and rad, for what the known noise does not cover.
+const MARGIN: (f64, f64) = (0.005, 0.1);
+
+impl<C: Compensation> Controller<C> {
+    /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
+    pub(super) fn observe(&mut self, observation: Observation, events: &mut Events) {
+        let Some(track) = self.track else {
+            self.compensation.begin(observation);
+            self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
+            return;
+        };
+        if observation.taken <= track.last.taken {
+            return;
+        }
+        let (window, moved, wheels) = self.nominal(&track, observation.taken);
+        let predicted = track.last.pose.then(moved);
+        let span = observation.taken - track.last.taken;
+        if !self.can_have_moved(predicted, observation.pose, span) {
+            self.belief.poses_set_aside += 1;
+            self.watch_set_aside(observation.taken, events);
+            let again = self.doubt.filter(|doubt| {
+                let span = observation.taken - doubt.last.taken;
+                self.can_have_moved(doubt.last.pose, observation.pose, span)
+            });
+            let count = again.map_or(1, |doubt| doubt.count + 1);
+            if count < BELIEVED_AGAIN {
+                self.doubt = Some(Doubt { last: observation, count });
+                let distance = predicted.point().distance(observation.pose.point());
+                let _ = events.try_push(Event::PoseSetAside { observation, distance });
+                return;
+            }
+            let _ = events.try_push(Event::PosesBelievedAgain);
+            self.watch_anew();
+            self.compensation.begin(observation);
+            self.track =
+                Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
+        } else {
+            let window = self.close(window, &track, &observation);
+            let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
+            let Observation { pose, taken } = observation;
+            let pose = self.compensation.believe(taken, pose, predicted, moved);
+            self.track =
+                Some(Track { last: Observation { pose, taken }, wheels, window, interval });
+            self.watch_step(track.last, observation, predicted, moved, events);
+        }
+        self.doubt = None;
+        self.commands.settle(observation.taken - self.settings.drive.dead_time);
+        self.follow_task(&observation, events);
+    }
+
+    /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
+    /// displacement, and what the wheels do at its end.
+    fn nominal(&self, track: &Track, until: f64) -> (Window, Displacement, WheelSpeeds) {
+        let drive = &self.settings.drive;
+        let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
+        self.walk(track.last.taken, until, |speeds, duration| {
+            let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
+            let piece = window.add(self.watch.floors().moving(twist), duration);
+            moved = Some(moved.map_or(piece, |moved: Displacement| moved.then(piece)));
+            wheels = end;
+        });
+        (window, moved.unwrap_or_default(), wheels)
+    }
+
+    /// The commands that act on the robot from `from` to `until`: dead time after they come into force.
+    pub(super) fn walk(&self, from: f64, until: f64, each: impl FnMut(WheelSpeeds, f64)) {
+        let Settings { drive, attribution, .. } = &self.settings;
+        self.commands.walk(
+            *attribution,
+            drive,
+            from - drive.dead_time,
+            until - drive.dead_time,
+            each,
+        );
+    }
+
+    /// How far from where it was predicted a robot can be after `span` s, in m and rad.
+    pub(super) fn reach(&self, span: f64) -> (f64, f64) {
+        let Settings { drive, noise, .. } = &self.settings;
+        let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
+        let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
+        (far, turned)
+    }
+
+    /// Whether a robot can be at `pose` where `expected` was predicted over `span` s.
+    fn can_have_moved(&self, expected: Pose, pose: Pose, span: f64) -> bool {
+        let (far, turned) = self.reach(span);
+        expected.point().distance(pose.point()) <= far
+            && expected.heading.minus(pose.heading).abs() <= turned
+    }
+
+    /// Closes the window with a pose where it is ripe; the window that goes on.
+    fn close(&mut self, window: Window, track: &Track, end: &Observation) -> Window {
+        let Settings { drive, noise, attribution, .. } = self.settings;
+        let start = window.start.taken;
+        if self.heard.was_away(start, end.taken) {
+            return Window::new(*end);
+        }
+        if end.taken - track.last.taken > MAX_GAP {
+            return Window::new(*end);
+        }
+        if attribution == Attribution::Played
+            && !self.commands.is_known(&drive, start - drive.dead_time, end.taken - drive.dead_time)
+        {
+            return Window::new(*end);
+        }
+        match window.verdict(&drive, noise, end) {
+            Verdict::Open => return window,
+            Verdict::Rest => {}
+            Verdict::Rejected => self.belief.windows_rejected += 1,
+            // A robot that rests for the watch teaches nothing on its way there.
+            Verdict::Closed(_) if self.watch.rests() => {}
+            Verdict::Closed(samples) => {
+                self.compensation.witness(&self.belief, &samples, start);
+                self.belief.update(&samples, start, end.taken);
+            }
+        }
+        Window::new(*end)
+    }
+
+    /// Follows the task as observed.
+    fn follow_task(&mut self, observation: &Observation, events: &mut Events) {
+        let Some(task) = &self.task else { return };
+        let here = observation.pose.point();
+        let phase = if self.phase == Phase::Settling {
+            let is_settled = self.was_at_rest(observation.taken);
+            is_settled.then(|| self.record.begin(task, here, events))
+        } else {
+            let target = self.record.target(task);
+            let is_near = target.is_some_and(|target| here.distance(target) <= task.tolerance);
+            let is_there = is_near && self.was_at_rest(observation.taken);
+            self.record.observe(task, observation, is_there, events)
+        };
+        if let Some(phase) = phase {
+            self.phase = phase;
+            self.phases.clear();
+        }
+    }
+
+    /// Whether zero was played for three slots before `time`, by the robot's reports where there are any.
+    fn was_at_rest(&self, time: f64) -> bool {
+        let drive = &self.settings.drive;
+        (0..REST_SLOTS).all(|slot| {
+            let then = time - drive.dead_time - f64::from(slot) * self.settings.slot;
+            self.commands.at(Attribution::Played, drive, then) == WheelSpeeds::ZERO
+        })
+    }
+}

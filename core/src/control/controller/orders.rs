@@ -1,0 +1,97 @@
+//! What a controller is told beside requests: tasks, stop and resume, settings.
+
+use super::Controller;
+use super::compensation::Compensation;
+use super::heard::Heard;
+use super::plan::Phase;
+use super::record::Record;
+use crate::settings::Settings;
+use crate::task::Task;
+use crate::identification::Belief;
+use crate::local::LocalLimits;
+
+impl<C: Compensation> Controller<C> {
+    /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
+    pub fn set_task(&mut self, task: Task) {
+        self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
+        self.phases.clear();
+        self.record = Record::default();
+        self.watch.resume();
+        self.limit = None;
+        self.task = Some(task);
+    }
+
+    /// Drops the task; the robot ramps to rest.
+    pub fn cancel_task(&mut self) {
+        self.task = None;
+        self.phase = Phase::Idle;
+        self.phases.clear();
+        self.record = Record::default();
+        self.watch.resume();
+        self.limit = None;
+    }
+
+    /// Rest until [`Controller::resume`]; the task is kept.
+    pub fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// Goes on after [`Controller::stop`], or after the watch has brought the robot to rest.
+    pub fn resume(&mut self) {
+        self.stopped = false;
+        self.watch.resume();
+    }
+
+    /// Whether the robot has been told to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// Whether the robot itself holds: it rests whatever it is told.
+    pub fn is_held(&self) -> bool {
+        self.heard.is_held()
+    }
+
+    /// What the robot itself allows, as it said last.
+    pub fn local_limits(&self) -> LocalLimits {
+        self.heard.limits()
+    }
+
+    /// The robot's clock counts anew (a new epoch): times are forgotten, what was learned and the task stay.
+    pub fn restart_clock(&mut self) {
+        self.commands.clear();
+        self.belief.link.restart_clock();
+        self.track = None;
+        self.doubt = None;
+        self.phases.clear();
+        self.phase = self.phase.resumed();
+        self.record.restart_clock();
+        self.watch.restart_clock();
+        self.heard = Heard::default();
+        (self.healthy, self.healthy_at, self.limit) = (None, None, None);
+    }
+
+    /// Back to the prior.
+    pub fn reset_environment(&mut self) {
+        self.belief.reset();
+        self.watch.unlearn();
+        self.healthy = None;
+    }
+
+    /// New settings. The task is kept; what was learned is kept unless method, prior or channels changed.
+    pub fn replace_settings(&mut self, settings: Settings) {
+        let old = &self.settings;
+        let relearn =
+            (old.method, old.prior, old.drift) != (settings.method, settings.prior, settings.drift);
+        if relearn {
+            self.belief = Belief::new(settings.method, &settings.prior, settings.drift);
+        }
+        if relearn || old.drive != settings.drive {
+            self.watch.unlearn();
+            self.healthy = None;
+        }
+        self.settings = settings;
+        self.limit = None;
+        self.phases.clear();
+    }
+}

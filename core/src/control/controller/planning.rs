@@ -1,0 +1,138 @@
+//! The horizon that answers a request: from where the robot will be, by the plan.
+
+use super::compensation::Compensation;
+use super::plan::{self, REST_SLOTS, Start};
+use crate::settings::{PredictorKind, Settings};
+use crate::task::Limit;
+use super::{Controller, Track};
+use crate::exchange::Request;
+use crate::geometry::WheelSpeeds;
+use crate::geometry::elementary::least;
+use crate::horizon::{Horizon, MAX_WATCHDOG};
+use crate::kinematics;
+use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
+
+/// A pose at most this old in s, beyond the loop delay, is fresh.
+const FRESH: f64 = 0.15;
+
+/// A pause in s after which a phase is taken up again rather than gone on with.
+const PAUSE: f64 = 1.0;
+
+/// Times that differ by less than this part of a slot are the same slot boundary.
+const SAME_SLOT: f64 = 1e-6;
+
+impl<C: Compensation> Controller<C> {
+    /// Plans the horizon that answers `request`.
+    pub(super) fn command(&mut self, request: &Request) -> &Horizon {
+        let Settings { drive, slot, watchdog, attribution, .. } = self.settings;
+        // The robot holds no longer, whatever it was described with: what was driven is to be known.
+        let watchdog = least(watchdog, MAX_WATCHDOG);
+        let loop_delay = self.compensation.loop_delay(&self.settings);
+        let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
+        let soonest = (request.sent + slot).max(newest);
+        let Some(track) = self.track else {
+            let horizon = self.commands.begin(request.sequence, soonest, slot, watchdog);
+            horizon.speeds.push(WheelSpeeds::ZERO);
+            return horizon;
+        };
+        let taken = track.last.taken;
+        let begins = soonest.max(taken + loop_delay);
+        let since_change = self.enter_phase(newest, begins);
+
+        let model = self.compensation.model(&self.belief, track.last.pose);
+        let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
+        let before = self.commands.at(attribution, &drive, begins - 1e-6);
+        let age = request.sent - taken;
+        let start = Start {
+            time: begins,
+            since_change,
+            wheels,
+            previous: kinematics::forward(&drive, before),
+            phase: self.phase,
+            fresh: age <= loop_delay + FRESH,
+            stopped: self.stopped
+                || self.watch.rests()
+                || self.heard.is_held()
+                || begins - taken > self.compensation.patience(&self.settings),
+            rest: f64::from(REST_SLOTS) * slot + track.interval,
+        };
+        let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
+        let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
+        let task = self.task.as_ref();
+        let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.settings });
+        let settings = slowed.as_ref().unwrap_or(&self.settings);
+        let compensation = &self.compensation;
+        let rules = plan::Rules { settings, compensation, floors: self.watch.floors() };
+        let limit = plan::plan(rules, &model, task, start, prediction, speeds, phases);
+        self.limit = if self.watch.rests() {
+            Some(Limit::Watch)
+        } else if self.heard.is_held() || (slowed.is_some() && limit == Some(Limit::Drive)) {
+            Some(Limit::Hold)
+        } else {
+            limit
+        };
+        horizon
+    }
+
+    /// The phase at the start of the new horizon: what the old plan had come to by then. Returns the time in s since
+    /// the old plan's last change of command.
+    fn enter_phase(&mut self, old_start: f64, start: f64) -> f64 {
+        let slot = self.settings.slot;
+        let phases = &self.phases;
+        if phases.is_empty() {
+            self.record.pass(self.phase, start);
+            return slot;
+        }
+        // Poses need not come once per slot: a plan may begin within a slot of the old one, whose decision then stands
+        // already, or after many, and with them perhaps several phases, after a stall.
+        let slots = ((start - old_start) / slot).max(0.0);
+        let index = (slots + SAME_SLOT) as usize;
+        let whole = index as f64;
+        let within = (slots - whole).max(0.0);
+        let is_within = within > SAME_SLOT;
+        let last = phases.len() - 1;
+        let index = index.saturating_add(usize::from(is_within)).min(last);
+        for (index, phase) in phases.iter().enumerate().take(index + 1) {
+            self.record.pass(*phase, old_start + index as f64 * slot);
+        }
+        self.phase = phases[index];
+        if start - old_start > slot * last as f64 + PAUSE {
+            self.phase = self.phase.resumed();
+        }
+        if is_within && whole < last as f64 { within * slot } else { slot }
+    }
+
+    /// The pose at the start of the horizon, and what the wheels do then.
+    pub(super) fn predict(
+        &self,
+        track: &Track,
+        model: &ErrorModel,
+        start: f64,
+        sequence: u64,
+    ) -> (Prediction, WheelSpeeds) {
+        let Settings { drive, noise, predictor, .. } = &self.settings;
+        let pose = track.last.pose;
+        let (mut prediction, mut pieces) = match *predictor {
+            PredictorKind::Moments => (Prediction::moments(pose, *noise), Pieces::gathered()),
+            PredictorKind::MonteCarlo { agents, cell, seed } => {
+                let agents = Agents::new(pose, *noise, model, agents, cell, seed ^ sequence);
+                (Prediction::MonteCarlo(agents), Pieces::apart())
+            }
+        };
+        let mut wheels = track.wheels;
+        // Commands act a dead time after they come into force, those of the horizon too.
+        self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
+            let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
+            if let Some(motion) = pieces.add(self.watch.floors().moving(twist), duration) {
+                prediction.advance(model, motion);
+            }
+            wheels = end;
+        });
+        if let Some(motion) = pieces.rest() {
+            prediction.advance(model, motion);
+        }
+        let taken = track.last.taken;
+        let prediction = self.compensation.predict(&self.settings, taken, pose, start, prediction);
+        (prediction, wheels)
+    }
+}

@@ -1,0 +1,89 @@
+//! What of a controller outlives a restart: what was learned, and how far the task has got.
+
+use super::Controller;
+use super::plan::Phase;
+use super::record::Record;
+use crate::settings::Settings;
+use crate::task::{Stage, Task};
+use crate::identification::Belief;
+use crate::watch::{Kept, Watch};
+use serde::{Deserialize, Serialize};
+
+/// What of a controller outlives a restart. It holds no time of the robot's clock: none is known to go on.
+/// Its stored form is of version [`STATE_VERSION`](super::STATE_VERSION); one of another version is not taken up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    pub(super) belief: Belief,
+    pub(super) phase: Phase,
+    pub(super) record: Record,
+    /// Left out where there is none: the stored form is then that of earlier versions.
+    #[serde(default, skip_serializing_if = "Kept::is_none")]
+    pub(super) watch: Kept,
+}
+
+impl Saved {
+    /// What is believed.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,
+    /// and what the robot is doing is a part of that task.
+    pub fn fits(&self, settings: &Settings, task: Option<&Task>) -> bool {
+        let Settings { method, prior, drift, .. } = settings;
+        let mut blank = self.belief.clone();
+        blank.reset();
+        blank == Belief::new(*method, prior, *drift)
+            && match task {
+                None => self.phase == Phase::Idle && self.record == Record::default(),
+                Some(task) => self.is_part_of(task),
+            }
+    }
+
+    fn is_part_of(&self, task: &Task) -> bool {
+        let legs = task.waypoints.len();
+        let reached = self.record.progress(Stage::Idle, legs).leg;
+        let is_phase_of = match self.phase {
+            Phase::Idle => legs == 0,
+            Phase::Calibrating { .. } | Phase::Straight { .. } => task.calibration.is_some(),
+            Phase::Settling => true,
+            Phase::Turning { leg, .. } | Phase::Driving { leg } | Phase::Stopping { leg, .. } => {
+                leg < legs
+            }
+            Phase::Arrived => reached == legs,
+        };
+        is_phase_of && reached <= legs
+    }
+}
+
+impl Controller {
+    /// What of it outlives a restart.
+    pub fn saved(&self) -> Saved {
+        let (mut belief, mut record) = (self.belief.clone(), self.record);
+        belief.link.restart_clock();
+        record.restart_clock();
+        Saved { belief, phase: self.phase.resumed(), record, watch: self.watch.kept() }
+    }
+
+    /// A controller that goes on where another one was when `saved` was taken, the robot's clock counting anew as
+    /// in [`Controller::restart_clock`]. A calibration that was over is not repeated, a leg that was begun is taken
+    /// up again with a turn toward its waypoint. The time elapsed counts on from where it stood: the robot rested
+    /// meanwhile, and for how long its new clock does not say.
+    ///
+    /// None where `saved` was taken under other settings or another task.
+    pub fn restore(
+        settings: Settings,
+        task: Option<Task>,
+        stopped: bool,
+        saved: Saved,
+    ) -> Option<Self> {
+        saved.fits(&settings, task.as_ref()).then(|| {
+            let Saved { belief, phase, record, watch } = saved;
+            let watch = Watch::restored(watch);
+            Self { belief, phase, record, watch, task, stopped, ..Self::new(settings) }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

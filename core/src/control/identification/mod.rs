@@ -1,0 +1,199 @@
+//! Observations and commands in flight become error samples, and these the posterior of the environment.
+//!
+//! Each slip channel has a normal with unknown mean and variance (thesis eq. 32-38, corrected), the link a
+//! normal on the logarithm of its loop delay and a Bernoulli for late packets.
+
+mod channel;
+pub mod estimate;
+pub mod fixed;
+mod link;
+mod prior;
+mod window;
+
+pub use channel::ChannelBelief;
+pub use link::LinkBelief;
+pub use prior::{BUILT_IN_PRIORS, about_built_in};
+pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};
+
+use crate::settings::{Method, Prior};
+use crate::prediction::{ChannelModel, ErrorModel};
+use estimate::{Channel, Environment};
+use serde::{Deserialize, Serialize};
+
+/// What is believed of one robot's environment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Belief {
+    method: Method,
+    drift: bool,
+    channels: [ChannelBelief; 4],
+    /// The link.
+    pub link: LinkBelief,
+    /// Windows of motion that gave no sample because the commanded motion changed in them.
+    pub windows_rejected: u64,
+    /// Poses set aside because the robot cannot have moved there.
+    pub poses_set_aside: u64,
+}
+
+impl Belief {
+    /// The belief before any observation.
+    pub fn new(method: Method, prior: &Prior, drift: bool) -> Self {
+        let channels = [
+            ChannelBelief::new(Channel::Forward, prior.forward),
+            ChannelBelief::new(Channel::Lateral, prior.lateral),
+            ChannelBelief::new(Channel::Turn, prior.turn),
+            ChannelBelief::new(Channel::Drift, prior.drift),
+        ];
+        Self {
+            method,
+            drift,
+            channels,
+            link: LinkBelief::default(),
+            windows_rejected: 0,
+            poses_set_aside: 0,
+        }
+    }
+
+    /// Takes in the samples of a window from `start` to `end`, robot times in s.
+    pub fn update(&mut self, samples: &Samples, start: f64, end: f64) {
+        for (channel, sample) in self.channels.iter_mut().zip(samples) {
+            if let Some(sample) = sample {
+                channel.update(sample, start, end);
+            }
+        }
+    }
+
+    /// Samples of every channel.
+    pub fn samples(&self) -> u64 {
+        self.channels.iter().map(ChannelBelief::samples).sum()
+    }
+
+    /// What is believed of every channel, to come back to.
+    pub fn channels(&self) -> [ChannelBelief; 4] {
+        self.channels
+    }
+
+    /// Back to what was believed of every channel.
+    pub fn restore(&mut self, channels: [ChannelBelief; 4]) {
+        self.channels = channels;
+    }
+
+    /// One channel's belief.
+    pub fn channel(&self, channel: Channel) -> &ChannelBelief {
+        &self.channels[channel as usize]
+    }
+
+    /// What predictions assume, by the method.
+    ///
+    /// Learned means are clamped so that 1 + mu stays in \[0.3, 1.5\]: no prior, however evolved, reverses or
+    /// explodes a prediction; means of lateral and drift stay within half a metre or radian per metre.
+    pub fn model(&self) -> ErrorModel {
+        let [forward, lateral, turn, drift] =
+            Channel::ALL.map(|channel| self.channel_model(channel));
+        ErrorModel {
+            forward: clamped(forward, -0.7, 0.5),
+            lateral: clamped(lateral, -0.5, 0.5),
+            turn: clamped(turn, -0.7, 0.5),
+            drift: if self.drift { clamped(drift, -0.5, 0.5) } else { ChannelModel::PERFECT },
+        }
+    }
+
+    fn channel_model(&self, channel: Channel) -> ChannelModel {
+        let belief = self.channel(channel);
+        match self.method {
+            Method::FixedNormal => fixed::channel(&fixed::FIXED_NORMAL, channel),
+            Method::FixedBad => fixed::channel(&fixed::FIXED_BAD, channel),
+            Method::Statistic => {
+                belief.statistic().unwrap_or_else(|| fixed::channel(&fixed::FIXED_NORMAL, channel))
+            }
+            Method::Bayesian => ChannelModel::believed(belief.posterior()),
+        }
+    }
+
+    /// Back to the prior, the link included.
+    pub fn reset(&mut self) {
+        for channel in &mut self.channels {
+            channel.reset();
+        }
+        self.link = LinkBelief::default();
+        self.windows_rejected = 0;
+        self.poses_set_aside = 0;
+    }
+
+    /// As it is shown.
+    pub fn environment(&self) -> Environment {
+        let channels = Channel::ALL.map(|channel| {
+            let used = self.drift || channel != Channel::Drift;
+            self.channel(channel).estimate(&self.channel_model(channel), used)
+        });
+        Environment {
+            method: self.method,
+            channels,
+            link: self.link.estimate(),
+            windows_rejected: self.windows_rejected,
+            poses_set_aside: self.poses_set_aside,
+        }
+    }
+}
+
+fn clamped(model: ChannelModel, low: f64, high: f64) -> ChannelModel {
+    ChannelModel { mean: model.mean.clamp(low, high), ..model }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(ratio: f64) -> Sample {
+        Sample { ratio, weight: 1.2, motion: 0.0156, pose_variance: 0.0, other_variance: 0.0 }
+    }
+
+    fn learned(method: Method, ratios: &[f64]) -> Belief {
+        let mut belief = Belief::new(method, &Prior::default(), false);
+        for (i, &ratio) in ratios.iter().enumerate() {
+            let at = i as f64;
+            belief.update(&[Some(sample(ratio)), None, None, None], at, at + 0.12);
+        }
+        belief
+    }
+
+    #[test]
+    fn fixed_methods_never_learn() {
+        for (method, fixed) in
+            [(Method::FixedNormal, fixed::FIXED_NORMAL), (Method::FixedBad, fixed::FIXED_BAD)]
+        {
+            let model = learned(method, &[0.5; 50]).model();
+            assert_eq!((model.forward.mean, model.forward.variance), fixed[0]);
+        }
+    }
+
+    #[test]
+    fn statistic_uses_samples_only_from_two_on() {
+        let one = learned(Method::Statistic, &[0.2]).model().forward;
+        assert_eq!((one.mean, one.variance), fixed::FIXED_NORMAL[0]);
+        let two = learned(Method::Statistic, &[0.2, 0.4]).model().forward;
+        assert!((two.mean - 0.3).abs() < 1e-12);
+        // sigma^2 of 100 ms from windows of weight 1.2: sum of 1.2 (x - mean)^2 over n - 1.
+        assert!((two.variance - 1.2 * 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_rotation_leaves_the_forward_channel_at_its_prior() {
+        let mut belief = Belief::new(Method::Bayesian, &Prior::default(), false);
+        belief.update(&[None, None, Some(sample(0.1)), None], 0.0, 0.12);
+        assert_eq!(belief.channel(Channel::Forward).posterior(), Prior::default().forward);
+        assert_ne!(belief.channel(Channel::Turn).posterior(), Prior::default().turn);
+    }
+
+    #[test]
+    fn no_belief_reverses_a_prediction() {
+        let model = learned(Method::Bayesian, &[-3.0; 100]).model();
+        assert_eq!(model.forward.mean, -0.7);
+    }
+
+    #[test]
+    fn a_reset_goes_back_to_the_prior() {
+        let mut belief = learned(Method::Bayesian, &[0.2, 0.3]);
+        belief.reset();
+        assert_eq!(belief, Belief::new(Method::Bayesian, &Prior::default(), false));
+    }
+}

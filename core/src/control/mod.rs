@@ -1,0 +1,11 @@
+//! The controller's side: from poses to a belief about the environment, and from that to wheel speeds.
+
+pub mod commands;
+pub mod conjugate;
+pub mod controller;
+pub mod identification;
+pub mod prediction;
+pub mod settings;
+pub mod steering;
+pub mod task;
+pub mod watch;
