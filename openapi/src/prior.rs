@@ -8,8 +8,8 @@ use crate::named::Known;
 use crate::problem::Problems;
 use crate::robot;
 use serde::{Deserialize, Serialize};
-use umwelt_core::settings;
 use umwelt_core::identification::BUILT_IN_PRIORS;
+use umwelt_core::settings;
 use utoipa::ToSchema;
 
 /// Largest body of a prior in bytes; a full one has 1 kB.

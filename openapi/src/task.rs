@@ -7,8 +7,8 @@ use crate::number;
 use crate::problem::Problems;
 use crate::watch;
 use serde::{Deserialize, Serialize};
-use umwelt_core::task::{self, MAX_WAYPOINTS};
 use umwelt_core::geometry::Point;
+use umwelt_core::task::{self, MAX_WAYPOINTS};
 use utoipa::ToSchema;
 
 /// Largest body of a task in bytes; [`MAX_WAYPOINTS`] with every digit have 66 kB.

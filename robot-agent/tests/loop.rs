@@ -11,8 +11,6 @@ use tokio::sync::watch;
 use umwelt_agent::drive::Sim;
 use umwelt_agent::{AgentError, Clock, Config, Ended, Report, Status, TraceRow, run};
 use umwelt_client::api;
-use umwelt_core::settings::{PoseNoise, Settings};
-use umwelt_core::task::{Stage, Task};
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
@@ -20,6 +18,8 @@ use umwelt_core::kinematics::{Drive, forward};
 use umwelt_core::link::{LinkModel, Outage, Rtt};
 use umwelt_core::local::LocalLimits;
 use umwelt_core::plant::{PlantModel, Slip};
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::{Stage, Task};
 
 /// A camera robot on a hard floor with the thesis's task over `link`.
 fn scenario(link: LinkModel) -> Scenario {

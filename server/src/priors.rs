@@ -12,8 +12,8 @@ use std::sync::Arc;
 use tokio::sync::{OwnedRwLockReadGuard, OwnedRwLockWriteGuard};
 use umwelt_api::prior::{self, Source, Spec};
 use umwelt_api::{Known, PriorId, RobotId};
-use umwelt_core::settings::Prior;
 use umwelt_core::identification::{BUILT_IN_PRIORS, about_built_in};
+use umwelt_core::settings::Prior;
 
 /// Most priors that are kept, about 2 kB each.
 pub(crate) const MAX_PRIORS: usize = 10_000;

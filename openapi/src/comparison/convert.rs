@@ -14,8 +14,8 @@ use umwelt_core::comparison::{
     self, BASELINE, CHAMPION, ComparisonSettings, Contender, PROMISED_DEVIATION, PROMISED_TIME,
     method_names,
 };
-use umwelt_core::settings::Prior;
 use umwelt_core::evolution;
+use umwelt_core::settings::Prior;
 
 impl Request {
     /// Reads the body of a POST where the priors are known: the request, and what is to be run. `known` says what a

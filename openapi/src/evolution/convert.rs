@@ -10,10 +10,10 @@ use crate::named::Known;
 use crate::number::known as finite;
 use crate::prior;
 use crate::problem::{Problems, reason};
-use umwelt_core::settings::Settings;
 use umwelt_core::evolution::{
     self, EvolutionSettings, FitnessLimits, GeneticSettings, TrainingEnvironment,
 };
+use umwelt_core::settings::Settings;
 
 impl Request {
     /// Reads the body of a POST where the simulated environments are known: the request, and what is to be run.

@@ -2,8 +2,8 @@
 
 use crate::check::{Check, Checked, Range};
 use serde::{Deserialize, Serialize};
-use umwelt_core::settings::PoseNoise;
 use umwelt_core::kinematics;
+use umwelt_core::settings::PoseNoise;
 use utoipa::ToSchema;
 
 /// From the wheels of a toy to those of a tractor.

@@ -6,8 +6,8 @@ use crate::check::{Check, Checked, Range};
 use crate::named::Known;
 use crate::problem::{Problems, reason};
 use serde::{Deserialize, Serialize};
-use umwelt_core::settings::{self, Settings};
 use umwelt_core::horizon::{MAX_SLOTS, SLOT};
+use umwelt_core::settings::{self, Settings};
 use utoipa::ToSchema;
 
 /// As long as the longest horizon; a robot farther away than that cannot be controlled.

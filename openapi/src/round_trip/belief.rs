@@ -7,13 +7,13 @@ use crate::{prior, robot, training};
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
-use umwelt_core::settings::Prior;
 use umwelt_core::evolution::{ENVIRONMENTS, Fitness, TrainingEnvironment};
 use umwelt_core::identification::BUILT_IN_PRIORS;
 use umwelt_core::link::{
     LatePackets, LinkModel, Outage, PRESETS, Rtt, RttTrace, SENSOR_DELAY, Silences,
 };
 use umwelt_core::plant::{SLIP_PRESETS, Slip, SlipChannel};
+use umwelt_core::settings::Prior;
 
 fn slip() -> impl Strategy<Value = Slip> {
     let channel = || {

@@ -11,8 +11,8 @@ use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
 use umwelt_core::comparison as core;
 use umwelt_core::comparison::{ComparisonSettings, Contender, SCENARIOS};
-use umwelt_core::settings::Prior;
 use umwelt_core::identification::BUILT_IN_PRIORS;
+use umwelt_core::settings::Prior;
 
 fn thesis() -> ComparisonSettings {
     ComparisonSettings::scenario("thesis").unwrap()

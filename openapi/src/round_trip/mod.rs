@@ -12,12 +12,12 @@ use proptest::sample::select;
 use serde_json::{Value, json};
 use strategies::{MAX, horizon, request, settings, task};
 use umwelt_core::actuation::Playing;
-use umwelt_core::settings::Settings;
-use umwelt_core::task as core_task;
 use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::local::LocalLimits;
+use umwelt_core::settings::Settings;
+use umwelt_core::task as core_task;
 use umwelt_core::watch::Condition;
 
 proptest! {

@@ -5,13 +5,13 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use umwelt_core::actuation::Playing;
 use umwelt_core::conjugate::NormalInverseChiSquared;
-use umwelt_core::settings::{self, Settings};
-use umwelt_core::task as core_task;
 use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, MAX_SLOTS, SLOT};
 use umwelt_core::kinematics::Drive;
 use umwelt_core::local::LocalLimits;
+use umwelt_core::settings::{self, Settings};
+use umwelt_core::task as core_task;
 
 pub(super) const MAX: u64 = robot::MAX_INTEGER;
 

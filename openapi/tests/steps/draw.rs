@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 use umwelt_api::prior::built_in;
 use umwelt_api::robot::{self, MAX_INTEGER};
 use umwelt_api::{Range, step, task as wire_task};
-use umwelt_core::settings::Settings;
-use umwelt_core::task::Task;
 use umwelt_core::exchange::{MAX_DELIVERIES, MAX_OBSERVATIONS};
 use umwelt_core::horizon::{MAX_SLOTS, SLOT};
+use umwelt_core::settings::Settings;
+use umwelt_core::task::Task;
 
 /// Robot time of the first request in s: the whole range of the contract.
 const CLOCK: Range = step::TIME;

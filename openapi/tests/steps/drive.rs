@@ -9,10 +9,10 @@ use umwelt_api::robot::MAX_INTEGER;
 use umwelt_api::step::{self, Request};
 use umwelt_api::task::COORDINATE;
 use umwelt_core::controller::Controller;
-use umwelt_core::settings::Settings;
-use umwelt_core::task::Task;
 use umwelt_core::geometry::Pose;
 use umwelt_core::horizon::Horizon;
+use umwelt_core::settings::Settings;
+use umwelt_core::task::Task;
 use umwelt_core::{exchange, kinematics};
 
 /// Longest time in s for which the robot goes on as told: longer ones end at rest.

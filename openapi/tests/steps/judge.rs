@@ -3,12 +3,12 @@
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use umwelt_api::robot::LOOP_DELAY;
-use umwelt_core::settings::Attribution;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::Twist;
 use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::kinematics::{self, Drive};
+use umwelt_core::settings::Attribution;
 
 /// Rounding of speeds, as a part of them, and of times in s.
 const ROUNDING: f64 = 1e-9;

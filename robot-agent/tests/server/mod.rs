@@ -8,10 +8,10 @@ use umwelt_client::api::problem::{Detail, Problem, Status, reason};
 use umwelt_client::api::step;
 use umwelt_client::{Error, Failure};
 use umwelt_core::controller::Controller;
-use umwelt_core::task::Progress;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::Point;
 use umwelt_core::horizon::Horizon;
+use umwelt_core::task::Progress;
 
 pub struct Server(Mutex<Inner>);
 

@@ -56,9 +56,9 @@ mod tests {
     use proptest::prelude::*;
     use umwelt_core::actuation::Playing;
     use umwelt_core::controller::Controller;
+    use umwelt_core::geometry::Pose;
     use umwelt_core::settings::Settings;
     use umwelt_core::task::Task;
-    use umwelt_core::geometry::Pose;
 
     fn request(sequence: u64, sent: f64, taken: f64) -> Request {
         let mut request = Request { sequence, sent, ..Request::EMPTY };

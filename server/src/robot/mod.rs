@@ -337,8 +337,8 @@ impl From<Refusal> for Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umwelt_core::settings::Settings;
     use umwelt_core::exchange::Request;
+    use umwelt_core::settings::Settings;
 
     impl Robot {
         /// Lets its task compute.

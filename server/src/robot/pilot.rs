@@ -21,12 +21,12 @@ use umwelt_api::RobotId;
 use umwelt_api::event::Kind;
 use umwelt_api::robot::State;
 use umwelt_api::step::{Horizon, Reply};
-use umwelt_core::settings::{PredictorKind, Settings};
-use umwelt_core::task::Task;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Request;
 use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon;
+use umwelt_core::settings::{PredictorKind, Settings};
+use umwelt_core::task::Task;
 
 /// Poses and horizons are published at most this often: ten a second look smooth.
 const MOTION_EVERY: Duration = Duration::from_millis(100);

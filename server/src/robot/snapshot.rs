@@ -12,12 +12,12 @@ use umwelt_api::prior::Source;
 use umwelt_api::robot::{Pose, Robot, Spec, State};
 use umwelt_api::task;
 use umwelt_api::watch::Watch;
-use umwelt_core::settings::Settings;
-use umwelt_core::task::{Progress, Task};
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::identification::estimate;
 use umwelt_core::local::LocalLimits;
+use umwelt_core::settings::Settings;
+use umwelt_core::task::{Progress, Task};
 use umwelt_core::watch::Alarm;
 
 /// A robot's settings with their version.

@@ -12,8 +12,8 @@ pub use monte_carlo::Agents;
 pub use pieces::Pieces;
 
 use crate::conjugate::NormalInverseChiSquared;
-use crate::settings::PoseNoise;
 use crate::geometry::{Pose, Twist, length};
+use crate::settings::PoseNoise;
 use serde::{Deserialize, Serialize};
 
 /// Time in s over which a ratio's variance is stated (error acquisition cycle, thesis table 1).

@@ -1,9 +1,9 @@
 //! Prediction by moments: mean and covariance in closed form, the means' uncertainty carried along.
 
 use super::{ERROR_WINDOW, ErrorModel, Motion, Spread};
-use crate::settings::PoseNoise;
 use crate::geometry::Pose;
 use crate::geometry::elementary::{exp, sin_cos, sinc_cos};
+use crate::settings::PoseNoise;
 use nalgebra::Matrix3;
 
 /// Mean and covariance of a predicted pose.

@@ -69,10 +69,10 @@ impl Pieces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::PoseNoise;
     use crate::geometry::Pose;
     use crate::horizon::SLOT;
     use crate::prediction::{ChannelModel, ErrorModel, Moments};
+    use crate::settings::PoseNoise;
     use proptest::prelude::*;
 
     fn gather(mut pieces: Pieces, twists: &[Twist]) -> Vec<Motion> {

@@ -10,12 +10,12 @@ use std::time::Duration;
 use umwelt_client::api::step;
 use umwelt_client::api::task::Stage;
 use umwelt_core::controller::Controller;
-use umwelt_core::settings::Settings;
-use umwelt_core::task::{self, Task};
 use umwelt_core::geometry::{Point, Twist};
 use umwelt_core::horizon::Horizon;
 use umwelt_core::kinematics::{Drive as Wheels, forward, inverse};
 use umwelt_core::plant::{Plant, PlantModel};
+use umwelt_core::settings::Settings;
+use umwelt_core::task::{self, Task};
 
 /// A server that commands half a second of `linear` m/s, whatever it is told.
 fn always(linear: f64, watchdog: f64) -> Connect {
