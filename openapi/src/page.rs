@@ -3,6 +3,7 @@
 use crate::check::Check;
 use crate::problem::Problems;
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// Most items of one page of priors, evolutions or comparisons: some megabytes where each has a champion.
 pub const MAX_PAGE_SIZE: u64 = 500;
@@ -37,6 +38,21 @@ impl PageQuery {
         check.finish()?;
         Ok(self)
     }
+}
+
+/// Something of a list that the server keeps and cannot read: a newer version of it has written it. It stays as it is until
+/// it is removed or another is put in its place.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = page::Unreadable)]
+pub struct Unreadable {
+    /// Its name or id.
+    pub name: String,
+    /// Version of the server that wrote it; null where that is not known.
+    pub written_by: Option<String>,
+    /// Why it cannot be read.
+    pub why: String,
+    /// What to do about it.
+    pub remedy: String,
 }
 
 /// Checks what every query of a list has.

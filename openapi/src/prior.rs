@@ -5,6 +5,7 @@ use crate::check::{Check, Checked};
 use crate::evolution::Optimizer;
 use crate::id::{EvolutionId, PriorId, RobotId};
 use crate::named::Known;
+use crate::page::Unreadable;
 use crate::problem::Problems;
 use crate::robot;
 use serde::{Deserialize, Serialize};
@@ -194,6 +195,9 @@ impl Prior {
 pub struct Page {
     /// The priors.
     pub priors: Vec<Prior>,
+    /// Those that cannot be read, in the same part of the list; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unreadable: Vec<Unreadable>,
     /// Where the next page begins; null on the last one.
     pub next_page_token: Option<String>,
 }

@@ -158,7 +158,12 @@ impl Spec {
     /// Every field that is out of its range.
     pub fn to_core(&self) -> Result<task::Task, Problems> {
         Check::all(self)?;
-        Ok(task::Task {
+        Ok(self.convert())
+    }
+
+    /// The task in core's terms, whatever its values: what a program keeps was checked when it came.
+    pub fn convert(&self) -> task::Task {
+        task::Task {
             waypoints: self.waypoints.iter().map(|at| Point::new(at.x_m, at.y_m)).collect(),
             tolerance: self.tolerance_m,
             reverse: self.reverse,
@@ -170,7 +175,7 @@ impl Spec {
                 pause: calibration.pause_s,
                 straight: calibration.straight_m,
             }),
-        })
+        }
     }
 }
 

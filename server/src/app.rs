@@ -7,7 +7,7 @@ use crate::feed::Feed;
 use crate::fleet::Fleet;
 use crate::jobs::Jobs;
 use crate::priors::Priors;
-use crate::store::Keeper;
+use crate::store::{Keeper, Unreadables};
 use crate::training::Environments;
 use std::sync::Arc;
 use tokio::sync::watch;
@@ -25,6 +25,8 @@ pub(crate) struct App {
     pub(crate) environments: Environments,
     pub(crate) evolutions: Jobs<Evolution>,
     pub(crate) comparisons: Jobs<Comparison>,
+    /// What is kept and cannot be read.
+    pub(crate) unreadable: Unreadables,
     /// Event streams that may be followed.
     pub(crate) streams: Streams,
     /// Figures, tables and reports that have been made.
@@ -45,12 +47,23 @@ pub(crate) struct Parts {
     pub(crate) environments: Environments,
     pub(crate) evolutions: Jobs<Evolution>,
     pub(crate) comparisons: Jobs<Comparison>,
+    /// What is kept and cannot be read.
+    pub(crate) unreadable: Unreadables,
 }
 
 impl App {
     pub(crate) fn new(parts: Parts) -> Self {
-        let Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons } =
-            parts;
+        let Parts {
+            config,
+            keeper,
+            fleet,
+            feed,
+            priors,
+            environments,
+            evolutions,
+            comparisons,
+            unreadable,
+        } = parts;
         Self {
             streams: Streams::new(Limits {
                 overall: config.max_event_streams,
@@ -70,6 +83,7 @@ impl App {
             environments,
             evolutions,
             comparisons,
+            unreadable,
         }
     }
 }

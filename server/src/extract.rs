@@ -6,6 +6,7 @@ use crate::failure::{self, Failure};
 use crate::jobs::Job;
 use crate::robot::Robot;
 use crate::routes::jobs::Resource;
+use crate::store::Kind;
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::{HeaderMap, StatusCode, header, request::Parts};
 use bytes::Bytes;
@@ -58,7 +59,22 @@ impl<W: Resource> FromRequestParts<App> for Named<W> {
         let kind = W::KIND.name();
         let id: W::Id = named(parts, app, kind).await?;
         let found = W::jobs(app).find(id.as_ref()).map(Self);
-        found.ok_or_else(|| failure::no_such(kind, id.as_ref()))
+        let name = id.as_ref();
+        found.ok_or_else(|| match app.unreadable.find(Kind::Job(W::KIND), name) {
+            Some(unreadable) => failure::unreadable(&unreadable),
+            None => failure::no_such(kind, name),
+        })
+    }
+}
+
+/// The id in a path of a job, valid but perhaps of none.
+pub(crate) struct Name<W: Resource>(pub(crate) W::Id);
+
+impl<W: Resource, S: Send + Sync> FromRequestParts<S> for Name<W> {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Failure> {
+        named(parts, state, W::KIND.name()).await.map(Self)
     }
 }
 
@@ -85,7 +101,12 @@ impl FromRequestParts<App> for Known {
 
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Failure> {
         let Id(id) = Id::from_request_parts(parts, app).await?;
-        app.fleet.find(&id).map(Self).ok_or_else(|| failure::no_such_robot(&id))
+        app.fleet.find(&id).map(Self).ok_or_else(|| {
+            match app.unreadable.find(Kind::Robot, id.as_str()) {
+                Some(unreadable) => failure::unreadable(&unreadable),
+                None => failure::no_such_robot(&id),
+            }
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Everything that goes wrong, as a response: one body for all, and the headers that go with it.
 
 use crate::answer;
-use crate::store::StoreError;
+use crate::store::{StoreError, Unreadable};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use umwelt_api::problem::{Detail, ErrorBody, Problem, Problems, Status, reason};
@@ -99,6 +99,12 @@ impl IntoResponse for Failure {
         }
         response
     }
+}
+
+/// It is kept and cannot be read.
+pub(crate) fn unreadable(it: &Unreadable) -> Failure {
+    let detail = Detail::new(reason::UNREADABLE, it.kind.name(), it.name.as_str(), it.remedy());
+    Failure::new(Status::FailedPrecondition, it.said()).with(detail)
 }
 
 /// Nothing goes by this `name` among what `what` says in the singular: `prior`.

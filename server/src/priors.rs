@@ -6,7 +6,7 @@
 use crate::catalogue::{self, Catalogue};
 use crate::etag;
 use crate::fleet::Fleet;
-use crate::store::{PriorSource, StoredPrior};
+use crate::store::{Kind, StoredPrior, Unreadables};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::{OwnedRwLockReadGuard, OwnedRwLockWriteGuard};
@@ -48,32 +48,16 @@ impl Named {
 
     fn of_stored(stored: StoredPrior) -> Option<Self> {
         let StoredPrior { name, prior, note, source } = stored;
-        let source = match source {
-            PriorSource::Put => Source::Put,
-            PriorSource::Evolution { evolution, seed, optimizer, fitness } => Source::Evolution {
-                evolution: evolution.parse().ok()?,
-                seed,
-                optimizer: serde_json::from_value(optimizer.into()).ok()?,
-                fitness: fitness.is_finite().then_some(fitness),
-            },
-        };
         Some(Self { id: name.parse().ok()?, prior, note, source })
     }
 
     /// As it is kept; none where it comes with the program.
     pub(crate) fn stored(&self) -> Option<StoredPrior> {
-        let source = match &self.source {
-            Source::Put => PriorSource::Put,
-            Source::Evolution { evolution, seed, optimizer, fitness } => PriorSource::Evolution {
-                evolution: evolution.to_string(),
-                seed: *seed,
-                optimizer: optimizer.name().to_owned(),
-                fitness: fitness.unwrap_or(f64::NAN),
-            },
-            Source::BuiltIn | Source::Inline => return None,
-        };
-        let (name, note) = (self.id.to_string(), self.note.clone());
-        Some(StoredPrior { name, prior: self.prior, note, source })
+        if matches!(self.source, Source::BuiltIn | Source::Inline) {
+            return None;
+        }
+        let Self { id, prior, note, source } = self.clone();
+        Some(StoredPrior { name: id.to_string(), prior, note, source })
     }
 }
 
@@ -106,22 +90,21 @@ pub(crate) struct Priors(Arc<Inner>);
 #[derive(Debug, Default)]
 struct Inner {
     all: Catalogue<Named>,
+    unreadable: Unreadables,
     names: Arc<tokio::sync::RwLock<()>>,
 }
 
 impl Priors {
     /// With those that are kept.
-    pub(crate) fn open(stored: Vec<StoredPrior>) -> Self {
-        let named = |stored: StoredPrior| {
-            let name = stored.name.clone();
-            let named = Named::of_stored(stored);
-            if named.is_none() {
-                tracing::error!(prior = name, "what is kept of it cannot be read");
-            }
-            named
-        };
-        let all = stored.into_iter().filter_map(named).collect();
-        Self(Arc::new(Inner { all, ..Inner::default() }))
+    pub(crate) fn open(stored: Vec<StoredPrior>, unreadable: Unreadables) -> Self {
+        let all = stored.into_iter().filter_map(Named::of_stored).collect();
+        Self(Arc::new(Inner { all, unreadable, ..Inner::default() }))
+    }
+
+    /// Whether there is a prior of this name, if only one that cannot be read.
+    pub(crate) fn has(&self, name: &PriorId) -> bool {
+        let unreadable = || self.0.unreadable.find(Kind::Prior, name.as_str());
+        self.0.all.find(name).is_some() || unreadable().is_some()
     }
 
     /// All of them by their names.

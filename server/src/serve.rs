@@ -11,7 +11,9 @@ use crate::memory;
 use crate::priors::Priors;
 use crate::robot::{Common, Workers};
 use crate::router::router;
-use crate::store::{Keeper, MemoryStore, SqliteStore, StopKeeper, Store, stop_journal};
+use crate::store::{
+    Keeper, MemoryStore, SqliteStore, StopKeeper, Store, Unreadables, stop_journal,
+};
 use crate::training::Environments;
 use axum::Router;
 use hyper_util::rt::TokioExecutor;
@@ -89,20 +91,46 @@ impl Server {
         warn_of_exposure(&config, address);
         let feed = Feed::new();
         let pool = Arc::new(Pool::new(config.evolution_threads, config.evolution_priority)?);
-        let priors = Priors::open(contents.priors.clone());
-        let environments = Environments::open(&contents.environments);
+        let unreadable = Unreadables::default();
+        contents.unreadable.iter().for_each(|it| unreadable.add(it.clone()));
+        let priors = Priors::open(contents.priors.clone(), unreadable.clone());
+        let environments = Environments::open(&contents.environments, &unreadable);
         let limits = Limits { queued: config.max_queued_evolutions, kept: config.keep_evolutions };
-        let evolutions =
-            Jobs::open(limits, pool.clone(), keeper.clone(), priors.clone(), &contents).await?;
+        let evolutions = Jobs::open(
+            limits,
+            pool.clone(),
+            keeper.clone(),
+            priors.clone(),
+            &contents,
+            &unreadable,
+        )
+        .await?;
         let limits =
             Limits { queued: config.max_queued_comparisons, kept: config.keep_comparisons };
-        let comparisons = Jobs::open(limits, pool, keeper.clone(), (), &contents).await?;
+        let comparisons =
+            Jobs::open(limits, pool, keeper.clone(), (), &contents, &unreadable).await?;
         let lost_after = config.lost_after;
         let workers = Workers::start()?;
         let common = Common { lost_after, feed: feed.clone(), priors: priors.clone(), workers };
-        let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots, stops);
-        let parts =
-            Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons };
+        let fleet = Fleet::open(
+            &config,
+            keeper.clone(),
+            common,
+            contents.robots,
+            stops,
+            unreadable.clone(),
+        );
+        let parts = Parts {
+            config,
+            keeper,
+            fleet,
+            feed,
+            priors,
+            environments,
+            evolutions,
+            comparisons,
+            unreadable,
+        };
         let app = App::new(parts);
         Ok(Self { router: router(app.clone()), app, listener, address })
     }

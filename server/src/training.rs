@@ -5,8 +5,8 @@
 
 use crate::catalogue::{self, Catalogue};
 use crate::etag;
-use crate::store::StoredEnvironment;
-use serde::{Deserialize, Serialize};
+use crate::store::document::environment as document;
+use crate::store::{Kind, StoredEnvironment, Unreadable, Unreadables};
 use std::sync::Arc;
 use tokio::sync::{Mutex, OwnedMutexGuard};
 use umwelt_api::training::{self, Environment, Spec};
@@ -16,9 +16,6 @@ use umwelt_core::evolution::{ENVIRONMENTS, TrainingEnvironment};
 /// Most environments that are kept: with the longest traces some 50 MB.
 pub(crate) const MAX_ENVIRONMENTS: usize = 200;
 
-/// Version of the stored form.
-const VERSION: u32 = 1;
-
 /// An environment, whose name it holds, and what somebody wrote about it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Named {
@@ -26,14 +23,6 @@ pub(crate) struct Named {
     pub(crate) environment: TrainingEnvironment,
     pub(crate) note: Option<String>,
     pub(crate) built_in: bool,
-}
-
-/// The stored form.
-#[derive(Serialize, Deserialize)]
-struct Body {
-    version: u32,
-    environment: TrainingEnvironment,
-    note: Option<String>,
 }
 
 impl Named {
@@ -53,19 +42,20 @@ impl Named {
 
     /// As it is kept.
     pub(crate) fn stored(&self) -> Result<StoredEnvironment, serde_json::Error> {
-        let (environment, note) = (self.environment.clone(), self.note.clone());
-        let body = serde_json::to_string(&Body { version: VERSION, environment, note })?;
-        Ok(StoredEnvironment { name: self.id.to_string(), body })
+        let spec = document::of_environment(&self.environment, self.note.clone());
+        Ok(StoredEnvironment { name: self.id.to_string(), body: document::FORM.write(&spec)? })
     }
 
-    fn of_stored(stored: &StoredEnvironment) -> Result<Self, String> {
-        let body: Body = serde_json::from_str(&stored.body).map_err(|error| error.to_string())?;
-        let Body { version, environment, note } = body;
-        if version != VERSION {
-            return Err(format!("it is of version {version}, this program knows {VERSION}"));
-        }
-        let id = stored.name.parse().map_err(|error| format!("{error}"))?;
-        Ok(Self { id, environment, note, built_in: false })
+    fn of_stored(stored: &StoredEnvironment) -> Result<Self, Unreadable> {
+        let name = &stored.name;
+        let unreadable = |why: &_| Unreadable::new(Kind::Environment, name.as_str(), why);
+        let read = document::FORM.read_with(&stored.body, |content| {
+            let spec: Spec = serde_json::from_value(content).map_err(|error| error.to_string())?;
+            let id: EnvironmentId = name.parse().map_err(|error| format!("{error}"))?;
+            let environment = document::environment(name.clone(), &spec)?;
+            Ok::<_, String>(Self { id, environment, note: spec.note, built_in: false })
+        });
+        read.map_err(|why| unreadable(&why))
     }
 }
 
@@ -80,16 +70,11 @@ struct Inner {
 }
 
 impl Environments {
-    /// With those that are kept.
-    pub(crate) fn open(stored: &[StoredEnvironment]) -> Self {
-        let named = |stored: &StoredEnvironment| {
-            let read = Named::of_stored(stored).inspect_err(|error| {
-                tracing::error!(environment = stored.name, error, "it cannot be read");
-            });
-            read.ok()
-        };
-        let all = stored.iter().filter_map(named).collect();
-        Self(Arc::new(Inner { all, ..Inner::default() }))
+    /// With those that are kept; what cannot be read is noted.
+    pub(crate) fn open(stored: &[StoredEnvironment], unreadable: &Unreadables) -> Self {
+        let note = |why| unreadable.add(why);
+        let read = stored.iter().filter_map(|it| Named::of_stored(it).map_err(note).ok());
+        Self(Arc::new(Inner { all: read.collect(), ..Inner::default() }))
     }
 
     /// All of them by their names.
@@ -134,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_kept_comes_back_and_what_cannot_be_read_is_left_out() {
+    fn what_is_kept_comes_back_and_what_cannot_be_read_is_noted() {
         let id: EnvironmentId = "wet-hall".parse().unwrap();
         let spec = Spec::read(br#"{"slip": "oily", "link": "bad", "note": "n"}"#).unwrap();
         let environment = spec.to_core(&id).unwrap();
@@ -143,11 +128,14 @@ mod tests {
         assert_eq!(Named::of_stored(&stored), Ok(named.clone()));
         let later = StoredEnvironment {
             name: "later".to_owned(),
-            body: stored.body.replace("\"version\":1", "\"version\":2"),
+            body: stored.body.replace("\"version\":2", "\"version\":3"),
         };
         let broken = StoredEnvironment { name: "broken".to_owned(), body: "{".to_owned() };
-        let environments = Environments::open(&[later, broken, stored]);
+        let unreadable = Unreadables::default();
+        let environments = Environments::open(&[later, broken, stored], &unreadable);
         assert_eq!(environments.all().len(), 1);
+        let names = unreadable.page(Kind::Environment, |_| true).into_iter().map(|it| it.name);
+        assert_eq!(names.collect::<Vec<_>>(), ["broken", "later"]);
         assert_eq!(environments.all().find(&named.id), Some(named));
         assert!(environments.known("lava").unwrap_err().contains(&"wet-hall".to_owned()));
     }

@@ -21,6 +21,7 @@ mod stop;
 mod table;
 mod task;
 mod training;
+mod unreadable;
 
 use crate::client::Client;
 use clap::{Parser, Subcommand};

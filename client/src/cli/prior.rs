@@ -7,6 +7,7 @@ use super::output::Output;
 use super::progress::wait;
 use super::quantity::{UNKNOWN, or_unknown};
 use super::table::{Column, Table};
+use super::unreadable::{unreadable, with};
 use crate::client::Client;
 use clap::Subcommand;
 use futures_util::TryStreamExt;
@@ -61,7 +62,8 @@ impl Command {
         match self {
             Self::List => {
                 let priors = wait(client.priors().try_collect()).await?;
-                output.result(&Page { priors, next_page_token: None }, list)
+                let unreadable = unreadable(client, "priors", true).await?;
+                output.result(&Page { priors, unreadable, next_page_token: None }, list)
             }
             Self::Show { prior } => output.result(&wait(client.get_prior(&prior)).await?, show),
             Self::Put { prior, file } => {
@@ -114,7 +116,7 @@ fn list(page: &Page) -> String {
             }),
         ]);
     }
-    table.to_string()
+    with(table.to_string(), &page.unreadable)
 }
 
 fn show(prior: &Prior) -> String {

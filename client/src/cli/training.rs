@@ -6,6 +6,7 @@ use super::output::Output;
 use super::progress::wait;
 use super::quantity::or_unknown;
 use super::table::{Column, Table};
+use super::unreadable::{unreadable, with};
 use crate::client::Client;
 use clap::Subcommand;
 use futures_util::TryStreamExt;
@@ -55,7 +56,8 @@ impl Command {
         match self {
             Self::List => {
                 let environments = wait(client.training_environments().try_collect()).await?;
-                output.result(&Page { environments, next_page_token: None }, list)
+                let unreadable = unreadable(client, "environments", true).await?;
+                output.result(&Page { environments, unreadable, next_page_token: None }, list)
             }
             Self::Describe { environment } => {
                 output.result(&wait(client.get_training_environment(&environment)).await?, describe)
@@ -129,7 +131,7 @@ fn list(page: &Page) -> String {
             if it.built_in { "the server" } else { "put" }.to_owned(),
         ]);
     }
-    table.to_string()
+    with(table.to_string(), &page.unreadable)
 }
 
 fn describe(it: &Environment) -> String {

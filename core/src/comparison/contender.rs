@@ -11,14 +11,12 @@ use crate::episode::{Outcome, Scenario};
 use crate::identification::estimate::Channel;
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
 use crate::settings::{Attribution, Method, Prior, Settings};
-use serde::{Deserialize, Serialize};
 
 /// Time in s that an episode may take beyond the limit: the calibration takes about 20 s at full speed.
 const CALIBRATION_TIME: f64 = 60.0;
 
 /// A method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Approach {
     /// The error distribution measured once on the normal link.
     FixedNormal,
@@ -43,6 +41,47 @@ pub enum Approach {
 }
 
 impl Approach {
+    /// Every method.
+    pub const ALL: [Self; 10] = [
+        Self::FixedNormal,
+        Self::FixedBad,
+        Self::Statistic,
+        Self::Bayesian,
+        Self::Oracle,
+        Self::StopWhenStale,
+        Self::NoCompensation,
+        Self::EkfPacket,
+        Self::SlidingMode,
+        Self::GpMpc,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FixedNormal => "fixed-normal",
+            Self::FixedBad => "fixed-bad",
+            Self::Statistic => "statistic",
+            Self::Bayesian => "bayesian",
+            Self::Oracle => "oracle",
+            Self::StopWhenStale => "stop-when-stale",
+            Self::NoCompensation => "no-compensation",
+            Self::EkfPacket => "ekf-packet",
+            Self::SlidingMode => "sliding-mode",
+            Self::GpMpc => "gp-mpc",
+        }
+    }
+
+    /// The method of this name.
+    ///
+    /// ```
+    /// use umwelt_core::comparison::Approach;
+    /// assert!(Approach::ALL.iter().all(|it| Approach::named(it.name()) == Some(*it)));
+    /// assert_eq!(Approach::named("guess"), None);
+    /// ```
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|approach| approach.name() == name)
+    }
+
     /// Whether it learns the environment while it drives.
     pub fn identifies(self) -> bool {
         matches!(self, Self::Statistic | Self::Bayesian)
@@ -50,7 +89,7 @@ impl Approach {
 }
 
 /// One who is compared.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
     /// Its name; with the slots its label.
     pub name: String,

@@ -120,10 +120,16 @@ pub struct Distribution {
 }
 
 /// A comparison: settings, and how far it has got.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    version: u32,
     settings: ComparisonSettings,
+    state: State,
+}
+
+/// How far a comparison has got: what is stored between two `tell`s, beside its settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    version: u32,
     stage: Stage,
     /// How each environment shows in the samples, by number of slots; empty where that is not asked.
     known: Vec<Known>,
@@ -148,24 +154,33 @@ impl Comparison {
     pub fn new(settings: ComparisonSettings) -> Result<Self, SettingsError> {
         settings.check()?;
         let cells = settings.environments.len() * settings.contenders.len();
-        let mut comparison = Self {
+        let state = State {
             version: STATE_VERSION,
-            settings,
             stage: Stage::Reference,
             known: Vec::new(),
             cells: vec![Vec::new(); cells],
             episodes: 0,
             report: None,
         };
+        let mut comparison = Self { settings, state };
         if comparison.slots().is_empty() {
-            comparison.stage = Stage::Trials { done: 0 };
+            comparison.state.stage = Stage::Trials { done: 0 };
         }
         Ok(comparison)
     }
 
-    /// Whether a stored state is of this version.
-    pub fn is_current(&self) -> bool {
-        self.version == STATE_VERSION
+    /// A comparison of these settings that goes on where another one of them was: the same as that one, bit for bit.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the settings.
+    pub fn resume(settings: ComparisonSettings, state: State) -> Result<Self, SettingsError> {
+        settings.check()?;
+        Ok(Self { settings, state })
+    }
+
+    /// How far it has got, to be stored.
+    pub fn state(&self) -> &State {
+        &self.state
     }
 
     /// What it was told.
@@ -175,12 +190,12 @@ impl Comparison {
 
     /// How far it has got.
     pub fn stage(&self) -> Stage {
-        self.stage
+        self.state.stage
     }
 
     /// Episodes driven so far.
     pub fn episodes(&self) -> u64 {
-        self.episodes
+        self.state.episodes
     }
 
     /// Episodes that the whole of it takes.
@@ -191,7 +206,7 @@ impl Comparison {
 
     /// What came of it, once it is done.
     pub fn report(&self) -> Option<&Report> {
-        self.report.as_ref()
+        self.state.report.as_ref()
     }
 
     /// Every trial so far, environment by environment, contender by contender.
@@ -200,7 +215,7 @@ impl Comparison {
         let places = environments.iter().flat_map(|environment| {
             contenders.iter().map(move |contender| (environment.name.clone(), contender.label()))
         });
-        let cells = places.zip(&self.cells);
+        let cells = places.zip(&self.state.cells);
         cells
             .map(|((environment, contender), trials)| Distribution {
                 environment,
@@ -225,7 +240,7 @@ impl Comparison {
     /// What is to be driven now. Empty once done.
     pub fn jobs(&self) -> Vec<Job> {
         let ComparisonSettings { environments, contenders, seed, trials, .. } = &self.settings;
-        let (purpose, subjects, trials) = match self.stage {
+        let (purpose, subjects, trials) = match self.state.stage {
             Stage::Reference => (Purpose::Recognise, self.slots().len(), 0..REFERENCE_TRIALS),
             Stage::Trials { done } => {
                 let batch = BATCH.max(self.settings.compared_episodes() as usize / BATCHES);
@@ -247,7 +262,7 @@ impl Comparison {
     /// Drives one episode of [`Comparison::jobs`]. The same job gives the same evaluation, bit for bit, on any thread.
     pub fn evaluate(&self, job: &Job) -> Evaluation {
         let environment = &self.settings.environments[job.environment];
-        let (trial, samples) = match self.stage {
+        let (trial, samples) = match self.state.stage {
             Stage::Reference => {
                 let slots = self.slots()[job.subject];
                 let statistic = Contender {
@@ -260,7 +275,7 @@ impl Comparison {
             }
             Stage::Trials { .. } | Stage::Done => {
                 let contender = &self.settings.contenders[job.subject];
-                let known = self.known.iter().find(|it| it.slots == contender.slots);
+                let known = self.state.known.iter().find(|it| it.slots == contender.slots);
                 let known = known.map_or(&[][..], |known| &known.environments);
                 contender.drive(&self.settings, environment, known, job.environment, job.seed)
             }
@@ -277,9 +292,9 @@ impl Comparison {
         if evaluations.len() != asked {
             return Err(TellError { given: evaluations.len(), asked });
         }
-        self.episodes += evaluations.len() as u64;
+        self.state.episodes += evaluations.len() as u64;
         let environments = self.settings.environments.len();
-        match self.stage {
+        match self.state.stage {
             Stage::Reference => {
                 let slots = self.slots();
                 let of_place = |place: usize| -> Vec<_> {
@@ -294,21 +309,21 @@ impl Comparison {
                         })
                         .collect(),
                 });
-                self.known = known.collect();
-                self.stage = Stage::Trials { done: 0 };
+                self.state.known = known.collect();
+                self.state.stage = Stage::Trials { done: 0 };
             }
             Stage::Trials { done } => {
-                let cells = self.cells.len();
+                let cells = self.state.cells.len();
                 for batch in evaluations.chunks_exact(cells) {
-                    for (cell, evaluation) in self.cells.iter_mut().zip(batch) {
+                    for (cell, evaluation) in self.state.cells.iter_mut().zip(batch) {
                         cell.push(evaluation.trial);
                     }
                 }
                 let done = done + evaluations.len() / cells;
-                self.stage = Stage::Trials { done };
+                self.state.stage = Stage::Trials { done };
                 if done == self.settings.trials {
-                    self.report = Some(report::report(&self.settings, &self.cells));
-                    self.stage = Stage::Done;
+                    self.state.report = Some(report::report(&self.settings, &self.state.cells));
+                    self.state.stage = Stage::Done;
                 }
             }
             Stage::Done => {}

@@ -11,7 +11,6 @@ use crate::link::{LinkModel, Outage};
 use crate::plant::{PlantModel, Slip, SlipChannel};
 use crate::settings::{PoseNoise, Settings};
 use crate::task::Task;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 /// The names that [`ComparisonSettings::scenario`] knows.
@@ -43,7 +42,7 @@ const FIELD_LAG: (f64, f64) = (0.08, 0.04);
 const OUTAGE: Outage = Outage { start: 30.0, duration: 4.0 };
 
 /// An environment of a comparison: a robot on its floor, and the link to it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     /// Its name.
     pub name: String,

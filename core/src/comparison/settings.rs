@@ -9,7 +9,6 @@ use crate::link::LinkError;
 use crate::plant::PlantError;
 use crate::settings::Settings;
 use crate::task::Task;
-use serde::{Deserialize, Serialize};
 
 /// Most contenders of one comparison.
 pub const MAX_CONTENDERS: usize = 64;
@@ -21,7 +20,7 @@ pub const MAX_TRIALS: usize = 10_000;
 pub const MAX_EPISODES: u64 = 200_000;
 
 /// Everything a comparison is told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ComparisonSettings {
     /// The scenario's name.
     pub scenario: String,

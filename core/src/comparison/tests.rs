@@ -48,8 +48,9 @@ fn a_comparison_taken_up_again_comes_to_the_same() {
     let whole = run(small("thesis", &["statistic/20", "bayesian/20"], 2));
     let mut again = small("thesis", &["statistic/20", "bayesian/20"], 2);
     while again.report().is_none() {
-        let text = serde_json::to_string(&again).unwrap();
-        again = serde_json::from_str(&text).unwrap();
+        let text = serde_json::to_string(again.state()).unwrap();
+        let state = serde_json::from_str(&text).unwrap();
+        again = Comparison::resume(again.settings().clone(), state).unwrap();
         let evaluations: Vec<_> = again.jobs().iter().map(|job| again.evaluate(job)).collect();
         assert!(again.tell(&evaluations[1..]).is_err());
         again.tell(&evaluations).unwrap();

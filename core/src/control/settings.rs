@@ -36,8 +36,7 @@ impl Method {
 }
 
 /// What an observed motion is compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attribution {
     /// The commands as sent, in force from pose time + nominal loop delay: a late packet shows as a control error.
     Sent,
@@ -46,8 +45,7 @@ pub enum Attribution {
 }
 
 /// How the pose at the time of a command is predicted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PredictorKind {
     /// Mean and covariance propagated in closed form.
     Moments,
@@ -78,7 +76,7 @@ pub struct Prior {
 }
 
 /// Largest predicted variance of a pose at which a robot may move as it likes (thesis table 1).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VarianceLimits {
     /// Variance of the position in m^2, in its worst direction.
     pub position: f64,
@@ -93,7 +91,7 @@ impl Default for VarianceLimits {
 }
 
 /// Settings of the steering law.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteeringSettings {
     /// Speed in m/s of the law on a straight line (alpha of thesis eq. 18, a constant it does not give).
     pub alpha: f64,
@@ -113,7 +111,7 @@ impl Default for SteeringSettings {
 }
 
 /// Everything a robot's controller is told once.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The robot's drive.
     pub drive: Drive,

@@ -2,7 +2,6 @@
 
 use crate::geometry::Point;
 use crate::watch::Condition;
-use serde::{Deserialize, Serialize};
 
 /// Most waypoints of one task.
 pub const MAX_WAYPOINTS: usize = 1000;
@@ -14,7 +13,7 @@ const DEVIATION_TRACKS: f64 = 10.0;
 pub const TOLERANCE: f64 = 0.010;
 
 /// Motion before a task from which the environment is learned: rotate, stop, repeated, then a straight part.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// How often the robot rotates and stops, alternately left and right (the thesis: 10). At most 1000.
     pub rotations: u32,
@@ -36,7 +35,7 @@ impl Default for Calibration {
 }
 
 /// Waypoints to visit in order, each a stop.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Task {
     /// Points to stop at, at least one. The path is the straight segments between them; the first leg leads from
     /// where the robot stands when the task begins to the first point (at once where it stands on it).
@@ -48,7 +47,6 @@ pub struct Task {
     /// Motion before the task; none where the environment is known well enough.
     pub calibration: Option<Calibration>,
     /// Largest distance in m from the path before the robot rests; none for [`Task::default_deviation`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_deviation: Option<f64>,
 }
 
@@ -72,8 +70,7 @@ impl Task {
 }
 
 /// What a robot is doing about its task.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// No task.
     Idle,
@@ -90,8 +87,7 @@ pub enum Stage {
 }
 
 /// What limits a robot's speed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
     /// The largest speeds of the drive.
     Drive,
@@ -110,7 +106,7 @@ pub enum Limit {
 }
 
 /// How far a task has got.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// What the robot is doing.
     pub stage: Stage,

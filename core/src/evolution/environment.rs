@@ -3,7 +3,6 @@
 use super::Evaluation;
 use crate::link::LinkModel;
 use crate::plant::Slip;
-use serde::{Deserialize, Serialize};
 
 /// The names that [`TrainingEnvironment::preset`] knows; the first two are the thesis's.
 pub const ENVIRONMENTS: [&str; 6] =
@@ -15,8 +14,7 @@ pub const ENVIRONMENTS: [&str; 6] =
 pub const SMALLEST_DEVIATION: f64 = 0.005;
 
 /// What is asked of an individual in an environment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fitness {
     /// Speed, where the deviation is small enough (thesis eq. 52).
     Normal,
@@ -25,7 +23,7 @@ pub enum Fitness {
 }
 
 /// Limits beyond which an individual has no fitness.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitnessLimits {
     /// Largest deviation in m (D^max of eq. 52; thesis table 2: 100 mm).
     pub deviation: f64,
@@ -72,7 +70,7 @@ impl Fitness {
 }
 
 /// A simulated environment in which individuals are tried.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TrainingEnvironment {
     /// Its name.
     pub name: String,

@@ -3,10 +3,9 @@
 
 use super::genome::{Gene, Genome};
 use rand::{Rng, RngExt};
-use serde::{Deserialize, Serialize};
 
 /// What may happen to an individual of the next generation, and how often.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneticSettings {
     /// Probability of being crossed from two selected parents.
     pub crossover: f64,

@@ -3,7 +3,6 @@
 use crate::conjugate::NormalInverseChiSquared;
 use crate::settings::Prior;
 use rand::{Rng, RngExt};
-use serde::{Deserialize, Serialize};
 
 /// Largest error ratio that a prior may expect (`MAX_mu` of thesis eq. 48, drawn symmetrically): beyond it no
 /// prediction follows, since learned means are clamped.
@@ -23,7 +22,7 @@ pub const MIN_R: f64 = 0.1;
 pub const MIN_S: f64 = 1e-4;
 
 /// What one gene may be.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gene {
     /// Smallest value.
     pub low: f64,

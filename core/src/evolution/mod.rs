@@ -153,10 +153,16 @@ impl Search {
 }
 
 /// An evolution: settings, and how far it has got.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Evolution {
-    version: u32,
     settings: EvolutionSettings,
+    state: State,
+}
+
+/// How far an evolution has got: what is stored between two `tell`s, beside its settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    version: u32,
     stage: Stage,
     search: Search,
     /// What fixed-normal's fitness is in each environment; empty before it is known.
@@ -196,9 +202,8 @@ impl Evolution {
             }
             Optimizer::EmpiricalBayes => Search::EmpiricalBayes { fitted: [weak] },
         };
-        Ok(Self {
+        let state = State {
             version: STATE_VERSION,
-            settings,
             stage: Stage::Reference,
             search,
             units: Vec::new(),
@@ -209,12 +214,22 @@ impl Evolution {
             episodes: 0,
             arrivals: Some(0),
             hopeless: None,
-        })
+        };
+        Ok(Self { settings, state })
     }
 
-    /// Whether a stored state is of this version.
-    pub fn is_current(&self) -> bool {
-        self.version == STATE_VERSION
+    /// An evolution of these settings that goes on where another one of them was: the same as that one, bit for bit.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the settings.
+    pub fn resume(settings: EvolutionSettings, state: State) -> Result<Self, SettingsError> {
+        settings.check()?;
+        Ok(Self { settings, state })
+    }
+
+    /// How far it has got, to be stored.
+    pub fn state(&self) -> &State {
+        &self.state
     }
 
     /// What it was told.
@@ -224,20 +239,20 @@ impl Evolution {
 
     /// How far it has got.
     pub fn stage(&self) -> Stage {
-        self.stage
+        self.state.stage
     }
 
     /// Episodes driven so far.
     pub fn episodes(&self) -> u64 {
-        self.episodes
+        self.state.episodes
     }
 
     /// Episodes that the whole of it takes.
     pub fn total_episodes(&self) -> u64 {
         let settings = &self.settings;
-        let candidates = match (self.stage, settings.optimizer) {
+        let candidates = match (self.state.stage, settings.optimizer) {
             (_, Optimizer::EmpiricalBayes) => 0,
-            (Stage::Selection | Stage::Report | Stage::Done, _) => self.candidates.len(),
+            (Stage::Selection | Stage::Report | Stage::Done, _) => self.state.candidates.len(),
             (_, Optimizer::Genetic) => CANDIDATES.min(settings.population),
             (_, Optimizer::CmaEs) => CANDIDATES.min(settings.population) + 1,
         };
@@ -249,27 +264,27 @@ impl Evolution {
 
     /// What came of it, once it is done.
     pub fn report(&self) -> Option<&Report> {
-        self.report.as_ref()
+        self.state.report.as_ref()
     }
 
     /// Why it ends without a report, where it does.
     pub fn hopeless(&self) -> Option<&Hopeless> {
-        self.hopeless.as_ref()
+        self.state.hopeless.as_ref()
     }
 
     /// Subjects of the stage, and trials of each in each environment.
     fn sizes(&self) -> (usize, usize) {
         let settings = &self.settings;
-        if self.hopeless.is_some() {
+        if self.state.hopeless.is_some() {
             return (0, 0);
         }
-        match self.stage {
+        match self.state.stage {
             Stage::Reference => (1, REFERENCE_TRIALS),
             Stage::Generations { .. } => {
-                let individuals = self.search.individuals().len();
+                let individuals = self.state.search.individuals().len();
                 (individuals, settings.population / individuals * settings.trials)
             }
-            Stage::Selection => (self.candidates.len(), settings.selection_trials),
+            Stage::Selection => (self.state.candidates.len(), settings.selection_trials),
             Stage::Report => (self.reported().len(), settings.report_trials),
             Stage::Done => (0, 0),
         }
@@ -278,7 +293,7 @@ impl Evolution {
     /// What is to be evaluated now: subject by subject, environment by environment, trial by trial. Empty once done
     /// or hopeless.
     pub fn jobs(&self) -> Vec<Job> {
-        let (purpose, generation) = match self.stage {
+        let (purpose, generation) = match self.state.stage {
             Stage::Reference => (Purpose::Reference, 0),
             Stage::Generations { generation } => (Purpose::Train, generation),
             Stage::Selection => (Purpose::Select, 0),
@@ -303,12 +318,14 @@ impl Evolution {
 
     /// How a subject of the stage drives.
     fn method(&self, subject: usize) -> (Method, Prior) {
-        let prior = match self.stage {
+        let prior = match self.state.stage {
             Stage::Reference | Stage::Done => {
                 return (Method::FixedNormal, self.settings.controller.prior);
             }
-            Stage::Generations { .. } => genome::to_prior(&self.search.individuals()[subject]),
-            Stage::Selection => genome::to_prior(&self.candidates[subject]),
+            Stage::Generations { .. } => {
+                genome::to_prior(&self.state.search.individuals()[subject])
+            }
+            Stage::Selection => genome::to_prior(&self.state.candidates[subject]),
             Stage::Report => self.reported()[subject].1,
         };
         (Method::Bayesian, prior)
@@ -319,8 +336,8 @@ impl Evolution {
         let EvolutionSettings { controller, task, limits, environments, .. } = &self.settings;
         let environment = &environments[job.environment];
         // Empirical Bayes learns from samples of the floor and the link alone.
-        let fits = matches!(self.search, Search::EmpiricalBayes { .. });
-        let is_fitted = fits && matches!(self.stage, Stage::Generations { .. });
+        let fits = matches!(self.state.search, Search::EmpiricalBayes { .. });
+        let is_fitted = fits && matches!(self.state.stage, Stage::Generations { .. });
         let noise = if is_fitted { PoseNoise::NONE } else { controller.noise };
         let (method, prior) = self.method(job.subject);
         let scenario = Scenario {
@@ -356,17 +373,17 @@ impl Evolution {
         if evaluations.len() != asked {
             return Err(TellError { given: evaluations.len(), asked });
         }
-        self.episodes += evaluations.len() as u64;
+        self.state.episodes += evaluations.len() as u64;
         if let (Some(arrivals), Stage::Reference | Stage::Generations { .. }) =
-            (&mut self.arrivals, self.stage)
+            (&mut self.state.arrivals, self.state.stage)
         {
             *arrivals += evaluations.iter().filter(|it| it.arrived).count() as u64;
         }
-        match self.stage {
-            _ if self.hopeless.is_some() => {}
+        match self.state.stage {
+            _ if self.state.hopeless.is_some() => {}
             Stage::Reference => {
-                self.units = self.measure_units(evaluations);
-                self.stage = Stage::Generations { generation: 0 };
+                self.state.units = self.measure_units(evaluations);
+                self.state.stage = Stage::Generations { generation: 0 };
             }
             Stage::Generations { generation } => {
                 let summary = self.end_generation(generation, evaluations);
@@ -374,15 +391,16 @@ impl Evolution {
                 return Ok(Some(summary));
             }
             Stage::Selection => {
-                let fitness = self.fitness(self.candidates.len(), evaluations);
-                self.champion = Some(self.candidates[genetic::ranking(&fitness)[0]].clone());
-                self.stage = Stage::Report;
+                let fitness = self.fitness(self.state.candidates.len(), evaluations);
+                self.state.champion =
+                    Some(self.state.candidates[genetic::ranking(&fitness)[0]].clone());
+                self.state.stage = Stage::Report;
             }
             Stage::Report => {
-                self.hopeless = self.champion_fails(evaluations);
-                if self.hopeless.is_none() {
-                    self.report = Some(self.make_report(evaluations));
-                    self.stage = Stage::Done;
+                self.state.hopeless = self.champion_fails(evaluations);
+                if self.state.hopeless.is_none() {
+                    self.state.report = Some(self.make_report(evaluations));
+                    self.state.stage = Stage::Done;
                 }
             }
             Stage::Done => {}
@@ -405,7 +423,7 @@ impl Evolution {
     /// Fitness of one episode in an environment; 1 is that of fixed-normal.
     fn normalised(&self, environment: usize, evaluation: &Evaluation) -> f64 {
         let fitness = self.settings.environments[environment].fitness;
-        fitness.of(&self.settings.limits, evaluation) / self.units[environment]
+        fitness.of(&self.settings.limits, evaluation) / self.state.units[environment]
     }
 
     /// Fitness of `subjects`: the weighted mean over environments of the mean over trials.
@@ -427,14 +445,14 @@ impl Evolution {
     fn end_generation(&mut self, generation: usize, evaluations: &[Evaluation]) -> Generation {
         let drift = self.settings.controller.drift;
         let genes = genome::prior_genes(drift);
-        let individuals = self.search.individuals();
+        let individuals = self.state.search.individuals();
         let fitness = self.fitness(individuals.len(), evaluations);
         let environments = &self.settings.environments;
         let summary =
             generation::summary(generation, environments, individuals, &fitness, evaluations);
         let order = genetic::ranking(&fitness);
         if generation == 0 {
-            self.first_generation = Some(individuals[order[0]].clone());
+            self.state.first_generation = Some(individuals[order[0]].clone());
         }
         let is_last = generation + 1 == self.settings.generations;
         let mut rng = seeds::rng(self.settings.seed, Purpose::Breed, generation);
@@ -445,7 +463,7 @@ impl Evolution {
                 candidates.push(individual.clone());
             }
         }
-        match &mut self.search {
+        match &mut self.state.search {
             Search::Genetic { population } if !is_last => {
                 let settings = &self.settings.genetic;
                 *population = genetic::breed(&genes, settings, population, &fitness, &mut rng);
@@ -465,12 +483,12 @@ impl Evolution {
                 candidates = vec![fitted.clone()];
             }
         }
-        self.stage = Stage::Generations { generation: generation + 1 };
+        self.state.stage = Stage::Generations { generation: generation + 1 };
         if is_last {
-            self.candidates = candidates;
-            self.stage = match &self.candidates[..] {
+            self.state.candidates = candidates;
+            self.state.stage = match &self.state.candidates[..] {
                 [only] => {
-                    self.champion = Some(only.clone());
+                    self.state.champion = Some(only.clone());
                     Stage::Report
                 }
                 _ => Stage::Selection,
@@ -482,9 +500,10 @@ impl Evolution {
     /// Gives up after some generations in which, as before them, nobody has arrived.
     fn give_up_where_nobody_arrives(&mut self, generation: usize) {
         let enough = HOPELESS_GENERATIONS.min(self.settings.generations);
-        if self.arrivals == Some(0) && generation + 1 >= enough {
+        if self.state.arrivals == Some(0) && generation + 1 >= enough {
             let environments = hopeless::names(&self.settings.environments);
-            self.hopeless = Some(Hopeless::NobodyArrives { environments, episodes: self.episodes });
+            self.state.hopeless =
+                Some(Hopeless::NobodyArrives { environments, episodes: self.state.episodes });
         }
     }
 
@@ -512,8 +531,8 @@ impl Evolution {
         let weak = Prior::default();
         let known = |genome: &Option<Genome>| genome.as_deref().map_or(weak, genome::to_prior);
         [
-            ("champion", known(&self.champion)),
-            ("first-generation", known(&self.first_generation)),
+            ("champion", known(&self.state.champion)),
+            ("first-generation", known(&self.state.first_generation)),
             ("default", weak),
             ("flat", Prior::flat()),
         ]

@@ -5,7 +5,6 @@ use super::genetic::GeneticSettings;
 use crate::link::{Link, LinkError};
 use crate::settings::{PoseNoise, Settings};
 use crate::task::Task;
-use serde::{Deserialize, Serialize};
 
 /// Most environments of one evolution.
 pub const MAX_ENVIRONMENTS: usize = 32;
@@ -30,8 +29,7 @@ pub const MAX_EXPANSION: f64 = 10.0;
 pub const PRESETS: [&str; 3] = ["default", "thesis", "quick"];
 
 /// How the prior is searched for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Optimizer {
     /// The thesis's genetic algorithm.
     Genetic,
@@ -43,7 +41,7 @@ pub enum Optimizer {
 }
 
 /// Everything an evolution is told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct EvolutionSettings {
     /// Where individuals are tried, 1..=[`MAX_ENVIRONMENTS`] of different names.
     pub environments: Vec<TrainingEnvironment>,

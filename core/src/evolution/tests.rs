@@ -20,6 +20,12 @@ fn small(optimizer: Optimizer) -> EvolutionSettings {
     }
 }
 
+/// The same, its state written down and read again.
+fn stored(evolution: &Evolution) -> Evolution {
+    let text = serde_json::to_string(evolution.state()).unwrap();
+    Evolution::resume(evolution.settings().clone(), serde_json::from_str(&text).unwrap()).unwrap()
+}
+
 /// Goes on to the end, shows each generation, and stores and loads the state after each step if asked to.
 fn run(mut evolution: Evolution, is_stored: bool) -> (Evolution, Vec<Generation>) {
     let mut generations = Vec::new();
@@ -32,8 +38,7 @@ fn run(mut evolution: Evolution, is_stored: bool) -> (Evolution, Vec<Generation>
         let evaluations: Vec<_> = evaluations.into_iter().filter_map(|(_, it)| it).collect();
         generations.extend(evolution.tell(&evaluations).unwrap());
         if is_stored {
-            let text = serde_json::to_string(&evolution).unwrap();
-            evolution = serde_json::from_str(&text).unwrap();
+            evolution = stored(&evolution);
         }
     }
     (evolution, generations)
@@ -135,7 +140,7 @@ fn fitness_is_normalised_to_fixed_normal_and_weighted() {
         let pairs = found.iter().zip(expected);
         pairs.for_each(|(one, other)| assert!((one - other).abs() < 1e-9, "{found:?}"));
     };
-    near(&evolution.units, [0.1, 50.0]);
+    near(&evolution.state.units, [0.1, 50.0]);
     // One individual: 5 s and never; 10 mm and too late.
     let trials = [
         evaluation(5.0, 0.01),
@@ -158,7 +163,7 @@ fn fitness_is_normalised_to_fixed_normal_and_weighted() {
 fn where_fixed_normal_has_no_fitness_the_limit_is_the_unit() {
     let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
     evolution.tell(&vec![Evaluation::default(); 400]).unwrap();
-    assert_eq!(evolution.units, [1.0 / 60.0, 10.0]);
+    assert_eq!(evolution.state.units, [1.0 / 60.0, 10.0]);
 }
 
 #[test]
@@ -182,11 +187,11 @@ fn the_champion_is_the_best_of_the_candidates_on_fresh_seeds() {
         evolution.tell(&vec![evaluation(10.0); jobs.len()]).unwrap();
     }
     assert_eq!(evolution.stage(), Stage::Selection);
-    let (jobs, favourite) = (evolution.jobs(), evolution.candidates[1].clone());
+    let (jobs, favourite) = (evolution.jobs(), evolution.state.candidates[1].clone());
     let evaluations: Vec<_> =
         jobs.iter().map(|job| evaluation(if job.subject == 1 { 9.0 } else { 10.0 })).collect();
     evolution.tell(&evaluations).unwrap();
-    assert_eq!(evolution.champion, Some(favourite));
+    assert_eq!(evolution.state.champion, Some(favourite));
 }
 
 /// The prior that is checked in is still what it was evolved for: careful on the bad link, and not for nothing.
@@ -196,8 +201,8 @@ fn the_thesis_prior_halves_the_deviation_on_the_bad_link() {
     let evolution = Evolution::new(settings).unwrap();
     let drive = |prior| {
         let mut evolution = evolution.clone();
-        evolution.stage = Stage::Selection;
-        evolution.candidates = vec![genome::of_prior(&prior, false)];
+        evolution.state.stage = Stage::Selection;
+        evolution.state.candidates = vec![genome::of_prior(&prior, false)];
         let jobs = evolution.jobs();
         let bad = jobs.iter().filter(|job| job.environment == 1).take(60);
         let evaluations: Vec<_> = bad.map(|job| evolution.evaluate(job)).collect();
@@ -217,8 +222,7 @@ fn made_up(
     while evolution.report().is_none() && evolution.hopeless().is_none() {
         let evaluations = vec![evaluation(evolution.stage()); evolution.jobs().len()];
         generations += usize::from(evolution.tell(&evaluations).unwrap().is_some());
-        let text = serde_json::to_string(&evolution).unwrap();
-        evolution = serde_json::from_str(&text).unwrap();
+        evolution = stored(&evolution);
     }
     (evolution, generations)
 }
@@ -262,10 +266,11 @@ fn a_champion_without_fitness_is_no_champion() {
 #[test]
 fn a_state_that_does_not_count_arrivals_is_not_given_up() {
     let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
-    let mut old = serde_json::to_value(&evolution).unwrap();
+    let mut old = serde_json::to_value(evolution.state()).unwrap();
     let fields = old.as_object_mut().unwrap();
     assert!(fields.remove("arrivals").is_some() && fields.remove("hopeless").is_some());
-    evolution = serde_json::from_value(old).unwrap();
+    let settings = evolution.settings().clone();
+    evolution = Evolution::resume(settings, serde_json::from_value(old).unwrap()).unwrap();
     while evolution.stage() != Stage::Selection {
         let evaluations = vec![Evaluation::default(); evolution.jobs().len()];
         evolution.tell(&evaluations).unwrap();

@@ -9,7 +9,6 @@ use crate::geometry::elementary::most;
 use crate::horizon::SLOT;
 use crate::local::LocalLimits;
 use arrayvec::ArrayVec;
-use serde::{Deserialize, Serialize};
 
 /// Most observations of one request; older ones are dropped first.
 pub const MAX_OBSERVATIONS: usize = 32;
@@ -33,7 +32,7 @@ const SAME_TIME: f64 = 1e-9;
 pub const MAX_BACKOFF: f64 = 1.0;
 
 /// A pose and the robot time at which it was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The observed pose.
     pub pose: Pose,
@@ -42,7 +41,7 @@ pub struct Observation {
 }
 
 /// Noise of an observed pose, normal and independent per axis and observation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseNoise {
     /// Standard deviation of x and of y in m.
     pub position: f64,
@@ -58,7 +57,7 @@ impl PoseNoise {
 }
 
 /// The measured loop delay of one reply.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delivery {
     /// Sequence of the request that was answered.
     pub sequence: u64,
@@ -67,7 +66,7 @@ pub struct Delivery {
 }
 
 /// One request of the robot: what a step carries.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Number of this request, strictly increasing within an epoch.
     pub sequence: u64,
@@ -82,7 +81,6 @@ pub struct Request {
     /// What the robot plays now.
     pub playing: Option<Playing>,
     /// What the robot itself allows; a hold also where it is over again since the last request.
-    #[serde(default)]
     pub limits: LocalLimits,
 }
 

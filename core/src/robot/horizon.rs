@@ -4,7 +4,6 @@ use crate::geometry::WheelSpeeds;
 use crate::geometry::elementary::{least, most};
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
-use serde::{Deserialize, Serialize};
 
 /// Length of one control cycle in s (thesis table 1).
 pub const SLOT: f64 = 0.030;
@@ -32,7 +31,7 @@ const BOUNDARY: f64 = 1e-6;
 ///
 /// Past its end the robot holds the last entry for `watchdog` s (0 holds for ever), then ramps to rest:
 /// the same function of time on the robot, in simulation and in the server's account of what was driven.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq)]
 pub struct Horizon {
     /// Number of this horizon, strictly increasing within an epoch: newest wins.
     pub sequence: u64,

@@ -2,7 +2,6 @@
 
 use crate::geometry::elementary::{exp, least, most, sinc_cos};
 use crate::geometry::{Displacement, Twist, WheelSpeeds};
-use serde::{Deserialize, Serialize};
 
 /// Below this angular velocity in rad/s a motion counts as straight (thesis table 1).
 pub const STRAIGHT_BELOW: f64 = 0.01;
@@ -10,7 +9,7 @@ pub const STRAIGHT_BELOW: f64 = 0.01;
 /// A two-wheel drive. Every field is positive and finite; `lag` and `dead_time` may be zero.
 ///
 /// Radius, track width and acceleration are not given by the thesis: the defaults are a robot of the 0.1 m class.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Radius of both wheels in m.
     pub wheel_radius: f64,

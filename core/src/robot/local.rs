@@ -5,10 +5,9 @@
 
 use crate::geometry::Twist;
 use crate::kinematics::Drive;
-use serde::{Deserialize, Serialize};
 
 /// What a robot itself allows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LocalLimits {
     /// Whether it is to rest.
     pub hold: bool,

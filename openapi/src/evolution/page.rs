@@ -1,6 +1,7 @@
 //! Lists of evolutions and of generations.
 
 use super::{Evolution, Generation};
+use crate::page::Unreadable;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -16,6 +17,9 @@ pub const DEFAULT_GENERATIONS_SIZE: u64 = 1000;
 pub struct Page {
     /// The evolutions.
     pub evolutions: Vec<Evolution>,
+    /// Those that cannot be read, in the same part of the list; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unreadable: Vec<Unreadable>,
     /// Where the next page begins; null on the last one.
     pub next_page_token: Option<String>,
 }

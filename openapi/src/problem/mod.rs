@@ -78,6 +78,8 @@ pub mod reason {
     pub const BODY_TIMEOUT: &str = "BODY_TIMEOUT";
     /// The store did not keep it.
     pub const STORE_FAILED: &str = "STORE_FAILED";
+    /// It is kept and cannot be read: a newer version of the server wrote it.
+    pub const UNREADABLE: &str = "UNREADABLE";
     /// The part of the server that drove the robot failed.
     pub const TASK_DIED: &str = "TASK_DIED";
     /// The computation of the robot does not end.

@@ -125,8 +125,8 @@ impl From<kinematics::Drive> for Drive {
 }
 
 impl Drive {
-    /// The drive in core's terms, unchecked.
-    pub(super) fn convert(self) -> kinematics::Drive {
+    /// The drive in core's terms, whatever its values: what a program keeps was checked when it came.
+    pub fn convert(self) -> kinematics::Drive {
         kinematics::Drive {
             wheel_radius: self.wheel_radius_m,
             track_width: self.track_width_m,
@@ -174,8 +174,8 @@ impl From<PoseNoise> for Noise {
 }
 
 impl Noise {
-    /// The noise in core's terms, unchecked.
-    pub(super) fn convert(self) -> PoseNoise {
+    /// The noise in core's terms, whatever its values: what a program keeps was checked when it came.
+    pub fn convert(self) -> PoseNoise {
         PoseNoise { position: self.position_m, heading: self.heading_rad }
     }
 }

@@ -20,6 +20,7 @@ pub use spec::{
 use crate::check::{Check, Checked};
 use crate::id::RobotId;
 use crate::number;
+use crate::page::Unreadable;
 use crate::page::limits;
 use crate::problem::Problems;
 use crate::task;
@@ -119,6 +120,9 @@ impl From<exchange::Observation> for Pose {
 pub struct Page {
     /// The robots.
     pub robots: Vec<Robot>,
+    /// Those that cannot be read, in the same part of the list; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unreadable: Vec<Unreadable>,
     /// Where the next page begins; null on the last one.
     pub next_page_token: Option<String>,
 }

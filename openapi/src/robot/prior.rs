@@ -92,8 +92,11 @@ impl From<settings::Prior> for Prior {
 }
 
 impl Prior {
-    /// The prior in core's terms.
-    pub(crate) fn convert(self) -> Result<settings::Prior, ConjugateError> {
+    /// The prior in core's terms, whatever its ranges: what a program keeps was checked when it came.
+    ///
+    /// # Errors
+    /// Where a channel is no distribution at all.
+    pub fn convert(self) -> Result<settings::Prior, ConjugateError> {
         Ok(settings::Prior {
             forward: self.forward.convert()?,
             lateral: self.lateral.convert()?,

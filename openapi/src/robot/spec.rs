@@ -193,7 +193,7 @@ impl Spec {
     ) -> Result<(Self, Settings), Problems> {
         let (spec, prior) =
             body::read_resolved(json, |spec: &Self, check| spec.resolve_prior(known, check))?;
-        let settings = spec.settings(prior);
+        let settings = spec.convert(prior);
         Ok((spec, settings))
     }
 
@@ -217,7 +217,7 @@ impl Spec {
         self.check(&mut check);
         let prior = self.resolve_prior(known, &mut check);
         check.finish()?;
-        Ok(self.settings(prior))
+        Ok(self.convert(prior))
     }
 
     /// The prior that is meant; anything where it is wrong, which `check` then knows.
@@ -233,8 +233,9 @@ impl Spec {
         found.unwrap_or_default()
     }
 
-    /// The settings that this checked spec means, beginning with `prior`.
-    fn settings(&self, prior: settings::Prior) -> Settings {
+    /// The settings that this means, beginning with `prior`, whatever its values: what a program keeps was checked when
+    /// it came.
+    pub fn convert(&self, prior: settings::Prior) -> Settings {
         Settings {
             drive: self.drive.convert(),
             noise: self.noise.convert(),

@@ -67,7 +67,11 @@ impl Checked for Slip {
 }
 
 impl Slip {
-    fn convert(self) -> Result<plant::Slip, SlipError> {
+    /// The slip in core's terms, whatever its ranges: what a program keeps was checked when it came.
+    ///
+    /// # Errors
+    /// Where a channel is no slip at all.
+    pub fn convert(self) -> Result<plant::Slip, SlipError> {
         Ok(plant::Slip {
             forward: self.forward.convert()?,
             lateral: self.lateral.convert()?,
@@ -121,20 +125,21 @@ impl Floor {
     }
 }
 
+impl From<plant::Slip> for Slip {
+    fn from(core: plant::Slip) -> Self {
+        Self {
+            forward: core.forward.into(),
+            lateral: core.lateral.into(),
+            turn: core.turn.into(),
+            drift: core.drift.into(),
+        }
+    }
+}
+
 impl From<plant::Slip> for Floor {
     /// By its name where it is a preset.
     fn from(core: plant::Slip) -> Self {
         let preset = SLIP_PRESETS.into_iter().find(|name| plant::Slip::preset(name) == Some(core));
-        preset.map_or_else(
-            || {
-                Self::Slip(Slip {
-                    forward: core.forward.into(),
-                    lateral: core.lateral.into(),
-                    turn: core.turn.into(),
-                    drift: core.drift.into(),
-                })
-            },
-            |name| Self::Preset(name.to_owned()),
-        )
+        preset.map_or_else(|| Self::Slip(core.into()), |name| Self::Preset(name.to_owned()))
     }
 }

@@ -284,7 +284,11 @@ impl LinkModel {
         }
     }
 
-    fn convert(&self) -> Result<link::LinkModel, link::TraceError> {
+    /// The link in core's terms, whatever its ranges: what a program keeps was checked when it came.
+    ///
+    /// # Errors
+    /// Where a recording is none at all.
+    pub fn convert(&self) -> Result<link::LinkModel, link::TraceError> {
         let outages = self.outages.iter();
         Ok(link::LinkModel {
             sensor_delay: self.sensor_delay_s,

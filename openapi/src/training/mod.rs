@@ -15,6 +15,7 @@ use crate::body;
 use crate::check::{Check, Checked, Range};
 use crate::id::EnvironmentId;
 use crate::named::Known;
+use crate::page::Unreadable;
 use crate::prior::MAX_NOTE;
 use crate::problem::Problems;
 use serde::{Deserialize, Serialize};
@@ -201,6 +202,9 @@ impl Environment {
 pub struct Page {
     /// The environments.
     pub environments: Vec<Environment>,
+    /// Those that cannot be read, in the same part of the list; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unreadable: Vec<Unreadable>,
     /// Where the next page begins; null on the last one.
     pub next_page_token: Option<String>,
 }

@@ -1,20 +1,26 @@
 //! Comparisons of methods: what they are among the jobs of the server.
 
 pub(crate) mod csv;
+mod kept;
 pub(crate) mod report;
 mod wire;
 
 use crate::jobs::{Told, Work};
 use crate::store::JobKind;
+use crate::store::document::Form;
 use umwelt_api::PriorId;
 use umwelt_core::comparison::{
     Comparison, ComparisonSettings, Distribution, Evaluation, Job, Report, STATE_VERSION, Stage,
+    State,
 };
 
 impl Work for Comparison {
     const KIND: JobKind = JobKind::Comparison;
     const STATE_VERSION: u32 = STATE_VERSION;
+    const FORM: &'static Form = &kept::FORM;
     type Settings = ComparisonSettings;
+    type Spec = kept::Spec;
+    type State = State;
     /// The name of the prior of the contender `bayesian`, whose values the settings hold.
     type Own = PriorId;
     type Stage = Stage;
@@ -26,8 +32,24 @@ impl Work for Comparison {
     type Evaluation = Evaluation;
     type House = ();
 
+    fn spec(settings: &ComparisonSettings) -> kept::Spec {
+        settings.into()
+    }
+
+    fn settings(spec: &kept::Spec) -> Result<ComparisonSettings, String> {
+        spec.convert()
+    }
+
     fn new(settings: ComparisonSettings) -> Result<Self, String> {
         Comparison::new(settings).map_err(|error| error.to_string())
+    }
+
+    fn resume(settings: ComparisonSettings, state: State) -> Result<Self, String> {
+        Comparison::resume(settings, state).map_err(|error| error.to_string())
+    }
+
+    fn state(&self) -> &State {
+        self.state()
     }
 
     fn stage(&self) -> Stage {

@@ -1,7 +1,9 @@
 //! What is kept of comparisons.
 
 use super::*;
-use crate::jobs::{Checkpoint, Unreadable};
+use crate::jobs::{Checkpoint, PART, Record, Unusable, part_body, read_part};
+use crate::store::document::tests::{golden, one_field_less};
+use umwelt_core::comparison::SCENARIOS;
 
 type Kept = Checkpoint<Comparison>;
 
@@ -26,7 +28,8 @@ fn a_comparison_comes_back_bit_for_bit_at_every_stage() {
     while work.report().is_none() {
         stages.push(work.stage());
         let checkpoint = Checkpoint { work, latest: None, elapsed: 12.5 };
-        let read = Kept::read(&checkpoint.body().unwrap()).unwrap();
+        let body = checkpoint.body().unwrap();
+        let read = Kept::read(&body, checkpoint.work.settings()).unwrap();
         assert_eq!(read, checkpoint);
         work = read.work;
         let told = tell(&mut work, &mut seen);
@@ -45,6 +48,49 @@ fn a_comparison_comes_back_bit_for_bit_at_every_stage() {
 fn a_state_of_another_version_is_not_taken_up() {
     let body = Checkpoint { work: begun(), latest: None, elapsed: 0.0 }.body().unwrap();
     let state = body.replace("\"work\":{\"version\":1", "\"work\":{\"version\":7");
-    let refused = Err(Unreadable::State { found: 7, current: STATE_VERSION });
-    assert_eq!(Kept::read(&state), refused);
+    let refused = Err(Unusable::State { found: 7, current: STATE_VERSION });
+    assert_eq!(Kept::read(&state, begun().settings()), refused);
+}
+
+/// Guards against a scenario whose settings are kept as something else: a region, an outage, a start.
+#[test]
+fn settings_of_every_scenario_come_back() {
+    for name in SCENARIOS {
+        let settings = ComparisonSettings::scenario(name).unwrap();
+        assert_eq!(kept::Spec::from(&settings).convert(), Ok(settings), "{name}");
+    }
+}
+
+#[test]
+fn records_of_every_version_mean_what_they_meant() {
+    let newest = golden(&kept::FORM, "comparison/golden/record", 2, Record::read, |record| {
+        let id = crate::store::JobId { kind: JobKind::Comparison, number: 1 };
+        Record::<Comparison>::stored(record, id).unwrap().body
+    });
+    // A contender and an environment have no name but their own; what came of it has no other meaning.
+    let essential = [
+        "state",
+        "settings",
+        "environments",
+        "contenders",
+        "name",
+        "approach",
+        "drive",
+        "slip",
+        "link",
+        "rtt/",
+        "controller",
+        "prior",
+        "task",
+        "waypoints/",
+        "report/",
+    ];
+    one_field_less(&kept::FORM, &newest, &essential, Record::<Comparison>::read);
+}
+
+#[test]
+fn trials_of_every_version_mean_what_they_meant() {
+    golden(&PART, "comparison/golden/trials", 2, read_part::<Distribution>, |trials| {
+        part_body(trials).unwrap()
+    });
 }

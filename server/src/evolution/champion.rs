@@ -45,7 +45,7 @@ fn check_free(
     priors: &Priors,
     name: &PriorId,
 ) -> Result<(), Failure> {
-    let taken = if priors.all().find(name).is_some() {
+    let taken = if priors.has(name) {
         format!("there is a prior {name} already")
     } else if let Some(evolution) = claimant(evolutions, name) {
         format!("{evolution} will give its champion the name {name}")

@@ -1,22 +1,28 @@
 //! Evolutions of priors: what they are among the jobs of the server.
 
 mod champion;
+mod kept;
 mod wire;
 
 pub(crate) use champion::{claim, claimant};
 
 use crate::jobs::{Gift, Record, Told, Work};
 use crate::priors::Priors;
+use crate::store::document::Form;
 use crate::store::{JobId, JobKind};
 use umwelt_api::PriorId;
 use umwelt_core::evolution::{
-    Evaluation, Evolution, EvolutionSettings, Generation, Job, Report, STATE_VERSION, Spread, Stage,
+    Evaluation, Evolution, EvolutionSettings, Generation, Job, Report, STATE_VERSION, Spread,
+    Stage, State,
 };
 
 impl Work for Evolution {
     const KIND: JobKind = JobKind::Evolution;
     const STATE_VERSION: u32 = STATE_VERSION;
+    const FORM: &'static Form = &kept::FORM;
     type Settings = EvolutionSettings;
+    type Spec = kept::Spec;
+    type State = State;
     /// The name that the champion gets.
     type Own = PriorId;
     type Stage = Stage;
@@ -28,8 +34,24 @@ impl Work for Evolution {
     type Evaluation = Evaluation;
     type House = Priors;
 
+    fn spec(settings: &EvolutionSettings) -> kept::Spec {
+        settings.into()
+    }
+
+    fn settings(spec: &kept::Spec) -> Result<EvolutionSettings, String> {
+        spec.convert()
+    }
+
     fn new(settings: EvolutionSettings) -> Result<Self, String> {
         Evolution::new(settings).map_err(|error| error.to_string())
+    }
+
+    fn resume(settings: EvolutionSettings, state: State) -> Result<Self, String> {
+        Evolution::resume(settings, state).map_err(|error| error.to_string())
+    }
+
+    fn state(&self) -> &State {
+        self.state()
     }
 
     fn stage(&self) -> Stage {

@@ -12,7 +12,7 @@ use crate::condition::Condition;
 use crate::config::Config;
 use crate::failure::{self, Failure};
 use crate::robot::{Arrivals, Brake, Command, Common, Robot};
-use crate::store::{Change, Keeper, Posterior, Record, StopKeeper, StoredRobot};
+use crate::store::{Change, Keeper, Kind, Posterior, Record, StopKeeper, StoredRobot, Unreadables};
 pub(crate) use keeping::Stops;
 use keeping::Unkept;
 use saving::Saver;
@@ -58,6 +58,8 @@ struct Inner {
     behind: Arc<Notify>,
     /// The highest revision that a record ever had.
     revision: AtomicU64,
+    /// What is kept of robots and cannot be read.
+    unreadable: Unreadables,
     common: Common,
     max_robots: usize,
     draining: AtomicBool,
@@ -71,10 +73,12 @@ impl Fleet {
         common: Common,
         robots: Vec<StoredRobot>,
         stops: Stops,
+        unreadable: Unreadables,
     ) -> Self {
         let earlier = stops.words.newest();
         let unkept = Unkept::of(&stops.words, robots.iter().map(|robot| robot.id.clone()));
-        let revision = robots.iter().map(|robot| robot.record.revision).max();
+        let revisions = robots.iter().map(|robot| robot.record.revision);
+        let revision = revisions.chain(unreadable.revisions()).max();
         let fleet = Self(Arc::new(Inner {
             robots: RwLock::default(),
             creating: Mutex::default(),
@@ -86,6 +90,7 @@ impl Fleet {
             unkept: std::sync::Mutex::new(unkept),
             behind: Arc::default(),
             revision: AtomicU64::new(revision.unwrap_or(0)),
+            unreadable,
             common,
             max_robots: config.max_robots,
             draining: AtomicBool::new(false),
@@ -160,6 +165,7 @@ impl Fleet {
         let prior = prior.clone();
         let record = Record { settings, prior, task: None, stopped: false, revision };
         self.keep(id, &record, None).await?;
+        self.0.unreadable.remove(Kind::Robot, id.as_str());
         Ok(Some((self.insert(id.clone(), record, None, None), Put::Created)))
     }
 
@@ -214,6 +220,24 @@ impl Fleet {
             // A task that has died cannot be told, nor one whose computation does not end; the robot is gone all the same.
             robot.ring().close();
             if robot.unable().is_some() { Ok(()) } else { told }
+        })
+        .await
+    }
+
+    /// Removes a robot that cannot be read.
+    pub(crate) async fn give_up(&self, id: RobotId, condition: Condition) -> Result<(), Failure> {
+        let fleet = self.clone();
+        to_the_end(async move {
+            fleet.accepts_changes()?;
+            let _creating = fleet.0.creating.lock().await;
+            if fleet.0.unreadable.find(Kind::Robot, id.as_str()).is_none() {
+                return Err(failure::no_such_robot(&id));
+            }
+            // Nobody has seen a version of it.
+            condition.check(None)?;
+            fleet.0.keeper.commit(vec![Change::DeleteRobot(id.clone())]).await?;
+            fleet.0.unreadable.remove(Kind::Robot, id.as_str());
+            Ok(())
         })
         .await
     }

@@ -17,7 +17,7 @@ fn open(robots: Vec<StoredRobot>) -> Fleet {
     let (lost_after, feed) = (Config::default().lost_after, Feed::new());
     let workers = Workers::start().unwrap();
     let common = Common { lost_after, feed, priors: Priors::default(), workers };
-    Fleet::open(&Config::default(), keeper, common, robots, Stops::default())
+    Fleet::open(&Config::default(), keeper, common, robots, Stops::default(), Default::default())
 }
 
 #[tokio::test]

@@ -301,7 +301,7 @@ mod tests {
         let pool = Arc::new(Pool::new(Some(2), Priority::Normal).unwrap());
         let (limits, keeper) = (Limits { queued: 16, kept: 200 }, Keeper::new(store.clone()));
         let contents = store.load().unwrap();
-        Jobs::open(limits, pool, keeper, (), &contents).await.unwrap()
+        Jobs::open(limits, pool, keeper, (), &contents, &Default::default()).await.unwrap()
     }
 
     async fn submit(jobs: &Jobs<Toy>, settings: Wishes) -> Arc<Job<Toy>> {

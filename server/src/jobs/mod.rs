@@ -18,8 +18,8 @@ pub use pool::Priority;
 pub(crate) use pool::{Meter, Pool};
 pub(crate) use queue::{Jobs, Limits, Submission, Submitting};
 #[cfg(test)]
-pub(crate) use record::{Checkpoint, Unreadable};
-pub(crate) use record::{Record, State, read_part};
+pub(crate) use record::{CHECKPOINT, Checkpoint, PART, Unusable, part_body};
+pub(crate) use record::{Record, State, UPGRADES, read_part};
 pub(crate) use work::{Gift, Told, Work};
 
 /// Time in s that will still be needed at the pace so far; none where nothing has been done yet.

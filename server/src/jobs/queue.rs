@@ -9,7 +9,9 @@ use super::pool::Pool;
 use super::record::{Checkpoint, Reached, Record, State};
 use super::work::Work;
 use crate::failure::{self, Failure};
-use crate::store::{Change, Contents, JobId, Keeper, StoredJob};
+use crate::store::{
+    Change, Contents, JobId, JobKind, Keeper, Kind, StoredJob, Unreadable, Unreadables,
+};
 use std::collections::BTreeMap;
 use std::io;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
@@ -84,7 +86,7 @@ pub(super) enum Start<W: Work> {
 }
 
 impl<W: Work> Jobs<W> {
-    /// The jobs that the store keeps; those that have not ended go on.
+    /// The jobs that the store keeps; those that have not ended go on, what cannot be read is noted.
     ///
     /// # Errors
     /// Where a checkpoint cannot be had from the store.
@@ -94,11 +96,13 @@ impl<W: Work> Jobs<W> {
         keeper: Keeper,
         house: W::House,
         contents: &Contents,
+        unreadable: &Unreadables,
     ) -> io::Result<Self> {
         let mut jobs = BTreeMap::new();
         for stored in contents.jobs_of(W::KIND) {
-            if let Some(job) = restore(stored, &keeper).await? {
-                jobs.insert(stored.id.number, Arc::new(job));
+            match restore(stored, &keeper).await? {
+                Ok(job) => drop(jobs.insert(stored.id.number, Arc::new(job))),
+                Err(why) => unreadable.add(why),
             }
         }
         let inner = Arc::new(Inner {
@@ -118,7 +122,7 @@ impl<W: Work> Jobs<W> {
 
     /// The job of this id.
     pub(crate) fn find(&self, id: &str) -> Option<Arc<Job<W>>> {
-        let number = id.strip_prefix(W::KIND.name())?.strip_prefix('-')?.parse().ok()?;
+        let number = number(W::KIND, id)?;
         // Not by another spelling of its number.
         self.inner.jobs().get(&number).filter(|job| job.id().to_string() == id).cloned()
     }
@@ -192,6 +196,15 @@ impl<W: Work> Jobs<W> {
         self.inner.keeper.commit(vec![Change::DeleteJob(job.id())]).await?;
         self.inner.remove(job.id());
         Ok(())
+    }
+
+    /// Forgets a job that cannot be read, with its parts.
+    pub(crate) async fn give_up(&self, id: &str) -> Result<(), Failure> {
+        let Some(number) = number(W::KIND, id) else {
+            return Err(failure::no_such(W::KIND.name(), id));
+        };
+        let id = JobId { kind: W::KIND, number };
+        self.inner.keeper.commit(vec![Change::DeleteJob(id)]).await
     }
 
     /// Begins to stop: what runs stops at the next episode, and stays running in the store.
@@ -333,18 +346,26 @@ impl<W: Work> Inner<W> {
     }
 }
 
+/// The number in the id of a job.
+fn number(kind: JobKind, id: &str) -> Option<u64> {
+    id.strip_prefix(kind.name())?.strip_prefix('-')?.parse().ok()
+}
+
 /// What is to be kept cannot be written down.
 pub(super) fn unwritable(error: serde_json::Error) -> Failure {
     failure::internal(format!("it cannot be written down: {error}"))
 }
 
-/// The job that is kept; none where its record cannot be read.
-async fn restore<W: Work>(stored: &StoredJob, keeper: &Keeper) -> io::Result<Option<Job<W>>> {
+/// The job that is kept, or why it cannot be read.
+async fn restore<W: Work>(
+    stored: &StoredJob,
+    keeper: &Keeper,
+) -> io::Result<Result<Job<W>, Unreadable>> {
     let mut record = match Record::<W>::read(&stored.body) {
         Ok(record) => record,
-        Err(error) => {
-            tracing::error!(job = %stored.id, %error, "what is kept of it cannot be used");
-            return Ok(None);
+        Err(why) => {
+            let kind = Kind::Job(stored.id.kind);
+            return Ok(Err(Unreadable::new(kind, stored.id.to_string(), &why)));
         }
     };
     let mut start = Start::Fresh;
@@ -352,7 +373,7 @@ async fn restore<W: Work>(stored: &StoredJob, keeper: &Keeper) -> io::Result<Opt
         record.interrupted += 1;
         let body = keeper.checkpoint(stored.id).await;
         let body = body.map_err(|failure| io::Error::other(failure.message().to_owned()))?;
-        match body.map(|body| Checkpoint::read(&body)) {
+        match body.map(|body| Checkpoint::read(&body, &record.settings)) {
             Some(Ok(checkpoint)) => {
                 record.reached = checkpoint.reached();
                 start = Start::From(Box::new(checkpoint));
@@ -364,5 +385,5 @@ async fn restore<W: Work>(stored: &StoredJob, keeper: &Keeper) -> io::Result<Opt
             None => {}
         }
     }
-    Ok(Some(Job::new(stored.id, record, start)))
+    Ok(Ok(Job::new(stored.id, record, start)))
 }

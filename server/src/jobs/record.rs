@@ -1,25 +1,55 @@
-//! What is kept of a job: JSON with a version, of which the store knows nothing.
+//! What is kept of a job: bodies of forms of their own, of which the store knows nothing.
 //!
 //! The record changes with the state alone. What changes with every batch stands in the checkpoint and in the parts.
 
 use super::work::Work;
+use crate::store::document::{Form, Unreadable, Upgrade};
 use crate::store::{JobId, StoredJob};
 use serde::de::DeserializeOwned;
 use serde::ser::Error;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
-/// Version of everything in this module. In version 1 there were evolutions alone, and their names for some fields.
-const VERSION: u64 = 2;
+/// What leads the record of a job to the form of today: version 1 had evolutions alone and their names for some fields,
+/// version 2 the settings in core's names.
+pub(crate) const UPGRADES: &[Upgrade] = &[names_of_all_kinds, crate::store::document::job_settings];
 
-/// The oldest version that is still read.
-const OLDEST: u64 = 1;
+/// How the parts of a job are kept. Their form has stayed; they go by the versions of records.
+pub(crate) const PART: Form = Form { is_within: true, upgrades: &[stays, stays], base: "{}" };
 
-/// Why something that is kept cannot be used.
+/// How checkpoints are kept. Version 1 had the names of evolutions; version 2 had the settings in the state of the work as
+/// well, which stand in the record.
+pub(crate) const CHECKPOINT: Form = Form {
+    is_within: true,
+    upgrades: &[names_of_all_kinds, stays],
+    base: r#"{"latest": null, "elapsed": 0.0}"#,
+};
+
+fn stays(_: &mut Map<String, Value>) {}
+
+/// From the names that evolutions had for themselves.
+fn names_of_all_kinds(content: &mut Map<String, Value>) {
+    let mut rename = |before: &str, after: &str| {
+        if let Some(value) = content.remove(before) {
+            content.insert(after.to_owned(), value);
+        }
+    };
+    rename("prior", "own");
+    rename("evolution", "work");
+    rename("fitness", "latest");
+    if let Some(reached) = content.get_mut("reached").and_then(Value::as_object_mut)
+        && let Some(fitness) = reached.remove("fitness")
+    {
+        reached.insert("latest".to_owned(), fitness);
+    }
+}
+
+/// Why a checkpoint cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum Unreadable {
-    /// Another program wrote it.
-    #[error("it is of version {0}, this program reads {OLDEST} to {VERSION}")]
-    Version(u64),
+pub(crate) enum Unusable {
+    /// It cannot be read.
+    #[error("{0}")]
+    Unreadable(#[from] Unreadable),
     /// The state in it is that of another program.
     #[error("its state is of version {found}, this program goes on from {current}")]
     State {
@@ -28,9 +58,9 @@ pub(crate) enum Unreadable {
         /// That of this program.
         current: u32,
     },
-    /// It is damaged.
-    #[error("it is damaged: {0}")]
-    Damaged(String),
+    /// It is none of these settings.
+    #[error("{0}")]
+    Settings(String),
 }
 
 /// Where a job stands.
@@ -69,7 +99,6 @@ impl From<State> for umwelt_api::evolution::State {
 pub(crate) struct Reached<W: Work> {
     /// None before it was begun.
     pub(crate) stage: Option<W::Stage>,
-    #[serde(alias = "fitness")]
     pub(crate) latest: Option<W::Latest>,
     pub(crate) episodes: u64,
     pub(crate) total_episodes: u64,
@@ -86,8 +115,7 @@ impl<W: Work> Reached<W> {
 }
 
 /// What is kept of a job but its parts and its checkpoint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Record<W: Work> {
     pub(crate) state: State,
     /// How often it went on after a restart.
@@ -95,7 +123,6 @@ pub(crate) struct Record<W: Work> {
     /// When it was submitted, in s since 1970.
     pub(crate) created_unix: u64,
     pub(crate) settings: W::Settings,
-    #[serde(alias = "prior")]
     pub(crate) own: W::Own,
     /// The key under which it was submitted, if any.
     pub(crate) key: Option<String>,
@@ -108,13 +135,45 @@ pub(crate) struct Record<W: Work> {
     pub(crate) reached: Reached<W>,
 }
 
+/// A record in the form in which it is kept: with the settings as specs.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "")]
+struct Kept<W: Work> {
+    state: State,
+    interrupted: u64,
+    created_unix: u64,
+    settings: W::Spec,
+    own: W::Own,
+    key: Option<String>,
+    request: String,
+    error: Option<String>,
+    report: Option<W::Report>,
+    reached: Reached<W>,
+}
+
 impl<W: Work> Record<W> {
     /// As it is kept.
     ///
     /// # Errors
     /// Where it would not be read back as it is: JSON has no infinity.
     pub(crate) fn stored(&self, id: JobId) -> Result<StoredJob, serde_json::Error> {
-        let body = write(self)?;
+        let Self { state, interrupted, created_unix, settings, own, key, request, error, .. } =
+            self.clone();
+        let (settings, report, reached) =
+            (W::spec(&settings), self.report.clone(), self.reached.clone());
+        let kept: Kept<W> = Kept {
+            state,
+            interrupted,
+            created_unix,
+            settings,
+            own,
+            key,
+            request,
+            error,
+            report,
+            reached,
+        };
+        let body = W::FORM.write(&kept)?;
         if Self::read(&body).as_ref() != Ok(self) {
             return Err(serde_json::Error::custom("some number in it is infinite or none at all"));
         }
@@ -123,20 +182,52 @@ impl<W: Work> Record<W> {
 
     /// What is kept.
     pub(crate) fn read(body: &str) -> Result<Self, Unreadable> {
-        read(body)
+        W::FORM.read_with(body, |content| {
+            let kept: Kept<W> = serde_json::from_value(content).map_err(|it| it.to_string())?;
+            let Kept { state, interrupted, created_unix, settings, own, key, request, .. } = kept;
+            let (error, report, reached) = (kept.error, kept.report, kept.reached);
+            let settings = W::settings(&settings)?;
+            Ok::<_, String>(Self {
+                state,
+                interrupted,
+                created_unix,
+                settings,
+                own,
+                key,
+                request,
+                error,
+                report,
+                reached,
+            })
+        })
     }
 }
 
 /// Everything that a job goes on from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Checkpoint<W: Work> {
-    #[serde(alias = "evolution")]
     pub(crate) work: W,
-    #[serde(alias = "fitness")]
     pub(crate) latest: Option<W::Latest>,
     /// Time in s for which it has run.
     pub(crate) elapsed: f64,
+}
+
+/// A checkpoint in the form in which it is kept; the settings of the work stand in the record.
+#[derive(Serialize)]
+#[serde(bound = "")]
+struct Written<'a, W: Work> {
+    work: &'a W::State,
+    latest: Option<W::Latest>,
+    elapsed: f64,
+}
+
+/// The same as it is read.
+#[derive(Deserialize)]
+#[serde(bound = "")]
+struct Read<W: Work> {
+    work: Value,
+    latest: Option<W::Latest>,
+    elapsed: f64,
 }
 
 impl<W: Work> Checkpoint<W> {
@@ -154,65 +245,31 @@ impl<W: Work> Checkpoint<W> {
 
     /// As it is kept.
     pub(crate) fn body(&self) -> Result<String, serde_json::Error> {
-        write(self)
+        let Self { work, latest, elapsed } = self;
+        CHECKPOINT.write(&Written::<W> { work: work.state(), latest: *latest, elapsed: *elapsed })
     }
 
-    /// What is kept.
-    pub(crate) fn read(body: &str) -> Result<Self, Unreadable> {
-        // The versions first: what stands beside them may be anything.
-        match serde_json::from_str(body) {
-            Ok(Peek { content: PeekContent { work: Version { version } } })
-                if version != u64::from(W::STATE_VERSION) =>
-            {
-                Err(Unreadable::State { found: version, current: W::STATE_VERSION })
-            }
-            _ => read(body),
+    /// What is kept of a job of these settings.
+    pub(crate) fn read(body: &str, settings: &W::Settings) -> Result<Self, Unusable> {
+        let Read::<W> { work, latest, elapsed } = CHECKPOINT.read(body)?;
+        // The version first: what stands beside it may be anything.
+        let found = work.get("version").and_then(Value::as_u64).unwrap_or(0);
+        if found != u64::from(W::STATE_VERSION) {
+            return Err(Unusable::State { found, current: W::STATE_VERSION });
         }
+        let state: W::State =
+            serde_json::from_value(work).map_err(|it| Unusable::Settings(it.to_string()))?;
+        let work = W::resume(settings.clone(), state).map_err(Unusable::Settings)?;
+        Ok(Self { work, latest, elapsed })
     }
-}
-
-#[derive(Deserialize)]
-struct Version {
-    version: u64,
-}
-
-#[derive(Deserialize)]
-struct Peek {
-    content: PeekContent,
-}
-
-#[derive(Deserialize)]
-struct PeekContent {
-    #[serde(alias = "evolution")]
-    work: Version,
 }
 
 /// A part as it is kept.
 pub(crate) fn part_body(part: &impl Serialize) -> Result<String, serde_json::Error> {
-    write(part)
+    PART.write(part)
 }
 
 /// The part that is kept.
 pub(crate) fn read_part<P: DeserializeOwned>(body: &str) -> Result<P, Unreadable> {
-    read(body)
-}
-
-#[derive(Serialize, Deserialize)]
-struct Versioned<T> {
-    version: u64,
-    content: T,
-}
-
-fn write(content: &impl Serialize) -> Result<String, serde_json::Error> {
-    serde_json::to_string(&Versioned { version: VERSION, content })
-}
-
-fn read<T: DeserializeOwned>(body: &str) -> Result<T, Unreadable> {
-    let damaged = |error: serde_json::Error| Unreadable::Damaged(error.to_string());
-    let Version { version } = serde_json::from_str(body).map_err(damaged)?;
-    if !(OLDEST..=VERSION).contains(&version) {
-        return Err(Unreadable::Version(version));
-    }
-    let versioned: Versioned<T> = serde_json::from_str(body).map_err(damaged)?;
-    Ok(versioned.content)
+    PART.read(body)
 }

@@ -1,7 +1,9 @@
 //! A kind of work without robots: what all kinds share is tested with it.
 
+use super::record::UPGRADES;
 use super::work::{Told, Work};
 use crate::store::JobKind;
+use crate::store::document::Form;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -38,7 +40,10 @@ pub(super) struct Toy {
 impl Work for Toy {
     const KIND: JobKind = JobKind::Comparison;
     const STATE_VERSION: u32 = 1;
+    const FORM: &'static Form = &Form { is_within: true, upgrades: UPGRADES, base: "{}" };
     type Settings = Wishes;
+    type Spec = Wishes;
+    type State = Self;
     type Own = ();
     type Stage = usize;
     type Latest = u64;
@@ -47,6 +52,22 @@ impl Work for Toy {
     type Episode = usize;
     type Evaluation = usize;
     type House = ();
+
+    fn spec(wishes: &Wishes) -> Wishes {
+        *wishes
+    }
+
+    fn settings(wishes: &Wishes) -> Result<Wishes, String> {
+        Ok(*wishes)
+    }
+
+    fn resume(_: Wishes, state: Self) -> Result<Self, String> {
+        Ok(state)
+    }
+
+    fn state(&self) -> &Self {
+        self
+    }
 
     fn new(wishes: Wishes) -> Result<Self, String> {
         Ok(Self { version: Self::STATE_VERSION, wishes, done: 0, sum: 0, report: None })

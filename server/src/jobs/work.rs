@@ -1,6 +1,7 @@
 //! What tells one kind of job from another.
 
 use super::record::Record;
+use crate::store::document::Form;
 use crate::store::{Change, JobId, JobKind};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -20,13 +21,19 @@ impl<T: Clone + Debug + PartialEq + Serialize + DeserializeOwned + Send + Sync +
 /// A state machine that asks for batches of simulated episodes until there is a report, or a reason
 /// why there will be none. Between two batches its whole
 /// state can be written down and taken up again: what comes of it is the same, bit for bit, whoever drives the episodes.
-pub(crate) trait Work: Plain {
+pub(crate) trait Work: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Its kind.
     const KIND: JobKind;
-    /// Version of its state, which stands in its field `version`: a state of another one is not taken up.
+    /// Version of its state: a state of another one is not taken up.
     const STATE_VERSION: u32;
+    /// How its record is kept: what leads to today's form, and what missing settings mean.
+    const FORM: &'static Form;
     /// What it is told.
-    type Settings: Plain;
+    type Settings: Clone + Debug + PartialEq + Send + Sync + 'static;
+    /// The same as it is kept: specs of the wire, and what names stood for when they were given.
+    type Spec: Plain;
+    /// How far it has got, as it is kept; its version stands in its field `version`.
+    type State: Plain;
     /// What is its own beside that: names that the server gives a meaning.
     type Own: Plain;
     /// How far it has got.
@@ -44,11 +51,29 @@ pub(crate) trait Work: Plain {
     /// The part of the server that gets what a success gives.
     type House: Send + Sync + 'static;
 
+    /// Settings as they are kept.
+    fn spec(settings: &Self::Settings) -> Self::Spec;
+
+    /// The settings that are kept.
+    ///
+    /// # Errors
+    /// What in them means nothing.
+    fn settings(spec: &Self::Spec) -> Result<Self::Settings, String>;
+
     /// One that has not begun.
     ///
     /// # Errors
     /// What is wrong with the settings.
     fn new(settings: Self::Settings) -> Result<Self, String>;
+
+    /// One that goes on where another one of these settings was.
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    fn resume(settings: Self::Settings, state: Self::State) -> Result<Self, String>;
+
+    /// How far it has got, as it is kept.
+    fn state(&self) -> &Self::State;
 
     /// How far it has got.
     fn stage(&self) -> Self::Stage;

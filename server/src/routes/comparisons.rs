@@ -19,6 +19,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use umwelt_api::ComparisonId;
 use umwelt_api::comparison::{self, Figure, Page, Request};
+use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_core::comparison::{Comparison, Distribution};
 
@@ -134,9 +135,10 @@ impl Resource for Comparison {
 
     fn page(
         comparisons: Vec<comparison::Comparison>,
+        unreadable: Vec<Unreadable>,
         next_page_token: Option<String>,
     ) -> impl Serialize {
-        Page { comparisons, next_page_token }
+        Page { comparisons, unreadable, next_page_token }
     }
 
     /// The id of an event is the number of trials that every contender has driven.

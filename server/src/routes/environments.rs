@@ -8,7 +8,7 @@ use crate::condition::Condition;
 use crate::extract::{Body, Environment};
 use crate::failure::{self, Failure, Result};
 use crate::fleet::{Put, to_the_end};
-use crate::store::Change;
+use crate::store::{Change, Kind};
 use crate::training::{MAX_ENVIRONMENTS, Named};
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -40,6 +40,7 @@ pub(crate) async fn put(
         let stored = named.stored().map_err(|error| failure::internal(error.to_string()))?;
         app.keeper.commit(vec![Change::PutEnvironment(stored)]).await?;
         app.environments.all().insert(named.clone());
+        app.unreadable.remove(Kind::Environment, named.id.as_str());
         let put = if before.is_some() { Put::Replaced } else { Put::Created };
         Ok(answer::versioned(code(put), &named.etag(), &named.shown()))
     })
@@ -47,7 +48,7 @@ pub(crate) async fn put(
 }
 
 pub(crate) async fn get(State(app): State<App>, Environment(id): Environment) -> Result {
-    let named = app.environments.all().find(&id).ok_or_else(|| no_such(&id))?;
+    let named = app.environments.all().find(&id).ok_or_else(|| missing(&app, &id))?;
     Ok(answer::versioned(StatusCode::OK, &named.etag(), &named.shown()))
 }
 
@@ -59,7 +60,15 @@ pub(crate) async fn delete(
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.environments.changing().await;
-        let named = app.environments.all().find(&id).ok_or_else(|| no_such(&id))?;
+        let Some(named) = app.environments.all().find(&id) else {
+            if app.unreadable.find(Kind::Environment, id.as_str()).is_none() {
+                return Err(missing(&app, &id));
+            }
+            condition.check(None)?;
+            app.keeper.commit(vec![Change::DeleteEnvironment(id.to_string())]).await?;
+            app.unreadable.remove(Kind::Environment, id.as_str());
+            return Ok(answer::nothing());
+        };
         condition.check(Some(&named.etag()))?;
         check_own(&id)?;
         app.keeper.commit(vec![Change::DeleteEnvironment(id.to_string())]).await?;
@@ -72,16 +81,23 @@ pub(crate) async fn delete(
 pub(crate) async fn list(State(app): State<App>, query: Query<page::Environments>) -> Result {
     let found = app.environments.all().above(query.after.as_ref(), query.size + 1);
     let (page, next_page_token) = page::cut(found, query.size, |named| named.id.to_string());
+    let after = query.after.as_ref().map(EnvironmentId::as_str);
+    let is_listed = page::holds(after, next_page_token.as_deref());
+    let unreadable = app.unreadable.page(Kind::Environment, is_listed);
     let environments = page.iter().map(Named::shown).collect();
-    Ok(answer::json(StatusCode::OK, &Page { environments, next_page_token }))
+    Ok(answer::json(StatusCode::OK, &Page { environments, unreadable, next_page_token }))
 }
 
 fn accepts_changes(app: &App) -> Result<(), Failure> {
     if app.fleet.is_draining() { Err(failure::draining()) } else { Ok(()) }
 }
 
-fn no_such(id: &EnvironmentId) -> Failure {
-    failure::no_such("environment", id.as_str())
+/// Nothing goes by this name, or what cannot be read.
+fn missing(app: &App, id: &EnvironmentId) -> Failure {
+    match app.unreadable.find(Kind::Environment, id.as_str()) {
+        Some(unreadable) => failure::unreadable(&unreadable),
+        None => failure::no_such("environment", id.as_str()),
+    }
 }
 
 /// Whether the name is for those who put environments.

@@ -20,6 +20,7 @@ use serde::Serialize;
 use std::collections::HashMap;
 use umwelt_api::EvolutionId;
 use umwelt_api::evolution::{self, Event, Generation, GenerationsPage, Kind, Page, Request};
+use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_core::evolution::Evolution;
 
@@ -97,9 +98,10 @@ impl Resource for Evolution {
 
     fn page(
         evolutions: Vec<evolution::Evolution>,
+        unreadable: Vec<Unreadable>,
         next_page_token: Option<String>,
     ) -> impl Serialize {
-        Page { evolutions, next_page_token }
+        Page { evolutions, unreadable, next_page_token }
     }
 
     fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error> {

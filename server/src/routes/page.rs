@@ -138,6 +138,14 @@ fn read<L: Listed>(pairs: &[(String, String)]) -> Result<Query<L>, Failure> {
     Err(wrong.into_iter().fold(failure, Failure::with))
 }
 
+/// Whether a name is in the part of a list behind `after` and up to `last`, the end where that is none.
+pub(crate) fn holds<'a>(
+    after: Option<&'a str>,
+    last: Option<&'a str>,
+) -> impl Fn(&str) -> bool + 'a {
+    move |name| after.is_none_or(|after| name > after) && last.is_none_or(|last| name <= last)
+}
+
 /// The first `size` of `items` and the token of the last of them, where there are more behind it.
 pub(crate) fn cut<T>(
     mut items: Vec<T>,

@@ -10,7 +10,7 @@ use crate::extract::{Body, Prior};
 use crate::failure::{self, Failure, Result};
 use crate::fleet::{Put, to_the_end};
 use crate::priors::{MAX_PRIORS, Named, Users};
-use crate::store::Change;
+use crate::store::{Change, Kind};
 use axum::extract::State;
 use axum::http::StatusCode;
 use umwelt_api::PriorId;
@@ -49,6 +49,7 @@ pub(crate) async fn put(
         let named = Named { id, prior, note: spec.note, source };
         app.keeper.commit(named.stored().map(Change::PutPrior).into_iter().collect()).await?;
         app.priors.all().insert(named.clone());
+        app.unreadable.remove(Kind::Prior, named.id.as_str());
         let put = if before.is_some() { Put::Replaced } else { Put::Created };
         Ok(show(&app, code(put), &named))
     })
@@ -56,7 +57,7 @@ pub(crate) async fn put(
 }
 
 pub(crate) async fn get(State(app): State<App>, Prior(id): Prior) -> Result {
-    let named = app.priors.all().find(&id).ok_or_else(|| failure::no_such("prior", id.as_str()))?;
+    let named = app.priors.all().find(&id).ok_or_else(|| missing(&app, &id))?;
     Ok(show(&app, StatusCode::OK, &named))
 }
 
@@ -68,8 +69,15 @@ pub(crate) async fn delete(
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.priors.changing().await;
-        let found = app.priors.all().find(&id);
-        let named = found.ok_or_else(|| failure::no_such("prior", id.as_str()))?;
+        let Some(named) = app.priors.all().find(&id) else {
+            if app.unreadable.find(Kind::Prior, id.as_str()).is_none() {
+                return Err(missing(&app, &id));
+            }
+            condition.check(None)?;
+            app.keeper.commit(vec![Change::DeletePrior(id.to_string())]).await?;
+            app.unreadable.remove(Kind::Prior, id.as_str());
+            return Ok(answer::nothing());
+        };
         condition.check(Some(&named.etag()))?;
         check_own(&app, &id)?;
         check_unused(&app, &id)?;
@@ -83,13 +91,24 @@ pub(crate) async fn delete(
 pub(crate) async fn list(State(app): State<App>, query: Query<page::Priors>) -> Result {
     let found = app.priors.all().above(query.after.as_ref(), query.size + 1);
     let (page, next_page_token) = page::cut(found, query.size, |named| named.id.to_string());
+    let after = query.after.as_ref().map(PriorId::as_str);
+    let is_listed = page::holds(after, next_page_token.as_deref());
+    let unreadable = app.unreadable.page(Kind::Prior, is_listed);
     let users = Users::in_fleet(&app.fleet);
     let priors = page.iter().map(|named| named.shown(&users)).collect();
-    Ok(answer::json(StatusCode::OK, &Page { priors, next_page_token }))
+    Ok(answer::json(StatusCode::OK, &Page { priors, unreadable, next_page_token }))
 }
 
 fn show(app: &App, code: StatusCode, named: &Named) -> axum::response::Response {
     answer::versioned(code, &named.etag(), &named.shown(&Users::in_fleet(&app.fleet)))
+}
+
+/// Nothing goes by this name, or what cannot be read.
+fn missing(app: &App, id: &PriorId) -> Failure {
+    match app.unreadable.find(Kind::Prior, id.as_str()) {
+        Some(unreadable) => failure::unreadable(&unreadable),
+        None => failure::no_such("prior", id.as_str()),
+    }
 }
 
 fn accepts_changes(app: &App) -> Result<(), Failure> {

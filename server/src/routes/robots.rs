@@ -1,15 +1,17 @@
 //! Robots: described, shown, listed, removed.
 
-use super::page::{Query, Robots};
+use super::page::{self, Query, Robots};
 use crate::answer;
 use crate::app::App;
 use crate::condition::Condition;
 use crate::extract::{Body, Id, Known};
 use crate::failure::Result;
 use crate::fleet::{Put, to_the_end};
+use crate::store::Kind;
 use axum::extract::State;
 use axum::http::StatusCode;
 use tokio::time::Instant;
+use umwelt_api::RobotId;
 use umwelt_api::robot::{self, Page, Spec};
 
 pub(crate) async fn put(
@@ -37,12 +39,11 @@ pub(crate) async fn get(Known(robot): Known) -> Result {
     Ok(answer::versioned(StatusCode::OK, snapshot.etag(), &shown))
 }
 
-pub(crate) async fn delete(
-    State(app): State<App>,
-    Known(robot): Known,
-    condition: Condition,
-) -> Result {
-    app.fleet.delete(robot, condition).await?;
+pub(crate) async fn delete(State(app): State<App>, Id(id): Id, condition: Condition) -> Result {
+    match app.fleet.find(&id) {
+        Some(robot) => app.fleet.delete(robot, condition).await?,
+        None => app.fleet.give_up(id, condition).await?,
+    }
     Ok(answer::nothing())
 }
 
@@ -56,7 +57,14 @@ pub(crate) async fn list(State(app): State<App>, query: Query<Robots>) -> Result
     let page: Vec<_> = found.by_ref().take(query.size).map(|(id, it)| it.robot(id, now)).collect();
     let is_last = found.next().is_none();
     let next_page_token = page.last().filter(|_| !is_last).map(|last| last.robot.to_string());
-    Ok(answer::json(StatusCode::OK, &Page { robots: page, next_page_token }))
+    let unreadable = if query.state.is_none() {
+        let after = query.after.as_ref().map(RobotId::as_str);
+        let is_listed = page::holds(after, next_page_token.as_deref());
+        app.unreadable.page(Kind::Robot, is_listed)
+    } else {
+        Vec::new()
+    };
+    Ok(answer::json(StatusCode::OK, &Page { robots: page, unreadable, next_page_token }))
 }
 
 /// The HTTP status of a PUT.

@@ -54,6 +54,8 @@ impl Store for MemoryStore {
             environments: kept.environments.values().cloned().collect(),
             // A kind has its place in the order of ids, and so has a number.
             jobs: kept.jobs.values().map(|job| job.stored.clone()).collect(),
+            // They are held as they are.
+            unreadable: Vec::new(),
             last_numbers: kept.last_numbers.clone(),
         })
     }

@@ -5,18 +5,20 @@
 //! written on every change that is acknowledged. Calls may block; the server makes them off its async threads
 //! (`keeper`). The form in which things are stored belongs to the store.
 
+pub(crate) mod document;
 mod keeper;
 mod memory;
 mod record;
 mod sqlite;
 mod stop_journal;
 mod stop_keeper;
+mod unreadable;
 
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
 pub use record::{
-    Contents, JobId, JobKind, Part, Posterior, PriorSource, Record, StoredEnvironment, StoredJob,
-    StoredPrior, StoredRobot,
+    Contents, JobId, JobKind, Part, Posterior, Record, StoredEnvironment, StoredJob, StoredPrior,
+    StoredRobot,
 };
 
 pub use sqlite::{
@@ -26,6 +28,8 @@ pub use sqlite::{
 pub use stop_journal::STOPS_FILE;
 pub(crate) use stop_journal::{Entry, Word, Words, open as stop_journal};
 pub(crate) use stop_keeper::StopKeeper;
+pub use unreadable::Unreadable;
+pub(crate) use unreadable::{Kind, Unreadables};
 
 use umwelt_api::RobotId;
 

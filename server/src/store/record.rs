@@ -1,8 +1,10 @@
 //! What is kept, as the server sees it.
 
+use super::Unreadable;
 use std::collections::BTreeMap;
 use std::fmt;
 use umwelt_api::RobotId;
+use umwelt_api::prior::Source;
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::{Prior, Settings};
 use umwelt_core::task::Task;
@@ -53,25 +55,7 @@ pub struct StoredPrior {
     /// What somebody wrote about it.
     pub note: Option<String>,
     /// Where it comes from.
-    pub source: PriorSource,
-}
-
-/// Where a prior comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PriorSource {
-    /// Somebody put it.
-    Put,
-    /// It is the champion of an evolution.
-    Evolution {
-        /// Id of the evolution, which may be gone by now.
-        evolution: String,
-        /// Its seed.
-        seed: u64,
-        /// Its optimizer, by name.
-        optimizer: String,
-        /// The champion's fitness on fresh seeds.
-        fitness: f64,
-    },
+    pub source: Source,
 }
 
 /// A named simulated environment.
@@ -162,6 +146,8 @@ pub struct Contents {
     pub environments: Vec<StoredEnvironment>,
     /// Jobs, kind by kind in the order of their numbers.
     pub jobs: Vec<StoredJob>,
+    /// What cannot be read, and stays as it is until somebody puts another in its place or removes it.
+    pub unreadable: Vec<Unreadable>,
     /// Highest number that a job of each kind ever had; a kind that never had one may be missing.
     pub last_numbers: BTreeMap<JobKind, u64>,
 }

@@ -1,6 +1,7 @@
 //! The rules of a store, held against both of them: what one does differently is found here.
 
 use super::*;
+use umwelt_api::prior::Source;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::geometry::Point;
 use umwelt_core::settings::{Prior, Settings};
@@ -78,7 +79,7 @@ pub(crate) fn evolution(number: u64, body: &str) -> StoredJob {
     job(id_of(JobKind::Evolution, number), body)
 }
 
-fn prior(name: &str, source: PriorSource) -> StoredPrior {
+fn prior(name: &str, source: Source) -> StoredPrior {
     let note = Some("a \"note\" with ü".to_owned());
     StoredPrior { name: name.into(), prior: Prior::default(), note, source }
 }
@@ -93,18 +94,18 @@ pub(crate) fn all_kinds() -> Vec<Vec<Change>> {
     let checkpoint = |job, body: &str| Change::PutCheckpoint { job, body: body.into() };
     let [one, ten, nowhere] = [1, 10, 99].map(|number| id_of(JobKind::Evolution, number));
     let compared = id_of(JobKind::Comparison, 10);
-    let champion = PriorSource::Evolution {
-        evolution: "evolution-1".into(),
+    let champion = Source::Evolution {
+        evolution: "evolution-1".parse().unwrap(),
         seed: u64::MAX,
-        optimizer: "genetic".into(),
-        fitness: 0.1 + 0.2,
+        optimizer: umwelt_api::evolution::Optimizer::Genetic,
+        fitness: Some(0.1 + 0.2),
     };
     vec![
         vec![put_robot("b", 1), put_posterior("b", 1, 3), put_robot("a", 2)],
         vec![put_posterior("a", 2, 1), put_posterior("nobody", 2, 1)],
         vec![
             Change::PutPrior(prior("evolved", champion)),
-            Change::PutPrior(prior("c", PriorSource::Put)),
+            Change::PutPrior(prior("c", Source::Put)),
         ],
         vec![
             Change::PutEnvironment(environment("wet", "{}")),

@@ -315,7 +315,7 @@ async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() 
     for (checkpoint, said) in [
         (r#"{"version":9}"#, "version 9"),
         (r#"{"version":1,"content":{"evolution":{"version":77}}}"#, "version 77"),
-        ("nonsense", "damaged"),
+        ("nonsense", "no body"),
     ] {
         let store = Arc::new(MemoryStore::default());
         let (mut path, mut next) = (String::new(), String::new());

@@ -7,12 +7,12 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::tempdir;
+use umwelt_api::prior::Source;
 use umwelt_core::controller::Controller;
 use umwelt_core::settings::{Prior, Settings};
 use umwelt_server::Store;
 use umwelt_server::store::{
-    Change, Contents, JobId, JobKind, Posterior, PriorSource, Record, SqliteStore, StoredJob,
-    StoredPrior,
+    Change, Contents, JobId, JobKind, Posterior, Record, SqliteStore, StoredJob, StoredPrior,
 };
 
 /// Where the child is to keep things.
@@ -50,7 +50,7 @@ fn changes(writer: u64, turn: u64) -> Vec<Change> {
             name: format!("prior-{writer}"),
             prior: Prior::default(),
             note: Some(body),
-            source: PriorSource::Put,
+            source: Source::Put,
         }),
         Change::PutRobot(robot(writer), Box::new(record)),
         Change::PutPosterior(robot(writer), Box::new(Posterior { revision: turn, saved })),

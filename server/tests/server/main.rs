@@ -27,4 +27,5 @@ mod steps;
 mod stops;
 mod stores;
 mod submissions;
+mod upgrades;
 mod watch;

@@ -1,3 +1,4 @@
+PRAGMA foreign_keys = OFF;
 PRAGMA application_id = 1433237364;
 PRAGMA user_version = 3;
 BEGIN TRANSACTION;

@@ -11,6 +11,7 @@ use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{or_unknown, span};
 use super::table::{Column, Table};
+use super::unreadable::{unreadable, with};
 use crate::client::Client;
 use crate::error::Error;
 use crate::events::ComparisonEvents;
@@ -74,7 +75,8 @@ impl Command {
                 if comparisons.is_empty() {
                     say("no comparisons; submit one: umwelt compare");
                 }
-                output.result(&Page { comparisons, next_page_token: None }, list)
+                let unreadable = unreadable(client, "comparisons", state.is_none()).await?;
+                output.result(&Page { comparisons, unreadable, next_page_token: None }, list)
             }
             Self::Show { comparison } => {
                 output.result(&wait(client.get_comparison(&comparison)).await?, show)
@@ -160,7 +162,7 @@ fn words(progress: &Progress) -> String {
 
 fn list(page: &Page) -> String {
     if page.comparisons.is_empty() {
-        return String::new();
+        return with(String::new(), &page.unreadable);
     }
     let mut table = Table::new([
         Column::Text("COMPARISON"),
@@ -185,7 +187,7 @@ fn list(page: &Page) -> String {
             or_unknown(spec.prior.clone(), |prior| prior),
         ]);
     }
-    table.to_string()
+    with(table.to_string(), &page.unreadable)
 }
 
 fn show(comparison: &Comparison) -> String {

@@ -11,6 +11,7 @@ use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{UNKNOWN, millimetres, of_arrivals, or_unknown, percent, span};
 use super::table::{Column, Table};
+use super::unreadable::{unreadable, with};
 use crate::client::Client;
 use crate::error::Error;
 use crate::events::EvolutionEvents;
@@ -80,7 +81,8 @@ impl Command {
                 if evolutions.is_empty() {
                     say("no evolutions; submit one: umwelt evolve");
                 }
-                output.result(&Page { evolutions, next_page_token: None }, list)
+                let unreadable = unreadable(client, "evolutions", state.is_none()).await?;
+                output.result(&Page { evolutions, unreadable, next_page_token: None }, list)
             }
             Self::Show { evolution } => {
                 output.result(&wait(client.get_evolution(&evolution)).await?, show)
@@ -180,7 +182,7 @@ fn words(progress: &Progress) -> String {
 
 fn list(page: &Page) -> String {
     if page.evolutions.is_empty() {
-        return String::new();
+        return with(String::new(), &page.unreadable);
     }
     let mut table = Table::new([
         Column::Text("EVOLUTION"),
@@ -208,7 +210,7 @@ fn list(page: &Page) -> String {
             or_unknown(evolution.prior.as_ref(), ToString::to_string),
         ]);
     }
-    table.to_string()
+    with(table.to_string(), &page.unreadable)
 }
 
 fn show(evolution: &Evolution) -> String {

@@ -6,6 +6,7 @@ use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{self, metres, millimetres, milliseconds, or_unknown, radians};
 use super::table::{Column, Table};
+use super::unreadable::{unreadable, with};
 use crate::client::Client;
 use clap::{Args, Subcommand};
 use futures_util::TryStreamExt;
@@ -149,7 +150,8 @@ impl Command {
                 if robots.is_empty() {
                     say("no robots; add one: umwelt robot add ID");
                 }
-                output.result(&Page { robots, next_page_token: None }, list)
+                let unreadable = unreadable(client, "robots", state.is_none()).await?;
+                output.result(&Page { robots, unreadable, next_page_token: None }, list)
             }
             Self::Show { robot } => output.result(&wait(client.get_robot(&robot)).await?, show),
             Self::Remove { robot } => {
@@ -207,7 +209,7 @@ fn replace<T>(field: &mut T, value: Option<T>) {
 
 fn list(page: &Page) -> String {
     if page.robots.is_empty() {
-        return String::new();
+        return with(String::new(), &page.unreadable);
     }
     let mut table = Table::new([
         Column::Text("ROBOT"),
@@ -237,7 +239,7 @@ fn list(page: &Page) -> String {
             or_unknown(robot.loop_delay_median_s, milliseconds),
         ]);
     }
-    table.to_string()
+    with(table.to_string(), &page.unreadable)
 }
 
 fn show(robot: &Robot) -> String {

@@ -6,7 +6,6 @@ use crate::geometry::elementary::least;
 use crate::horizon::{Horizon, MAX_SLOTS, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use crate::settings::Attribution;
-use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Most horizons remembered: three seconds at one per slot, more than any of them stays in force.
@@ -30,7 +29,7 @@ const MOST_PIECES: usize = REMEMBERED * MAX_SLOTS + 2 * REPORTS + RAMP_STEPS;
 const SOON: f64 = 1e-9;
 
 /// A stretch of time for which the robot reported what it played.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Played {
     playing: Playing,
     /// Time in s of the last report that said so.
@@ -38,7 +37,7 @@ struct Played {
 }
 
 /// The horizons sent to one robot and its reports of what it plays, oldest first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Commands {
     sent: Sent,
     played: VecDeque<Played>,
@@ -52,7 +51,7 @@ impl Default for Commands {
 }
 
 /// Horizons as sent, oldest first, in a ring: they are large and stay where they are.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 struct Sent {
     places: Vec<Horizon>,
     /// The place of the oldest.

@@ -1,7 +1,7 @@
 //! One robot: observe, identify, predict, steer, limit by variance, command a horizon.
 //!
 //! [`Controller::step`] is the whole of it: a pure transition from state and request to state and horizon. The
-//! state can be stored and restored; the same state and requests give the same horizons.
+//! state can be saved and restored; the same state and requests give the same horizons.
 
 pub mod compensation;
 mod heard;
@@ -30,9 +30,8 @@ pub use news::GROWTH;
 use plan::{Phase, Phases};
 use record::Record;
 pub use saved::Saved;
-use serde::{Deserialize, Serialize};
 
-/// Version of the stored state; a state of another version is not taken up.
+/// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
 
 /// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
@@ -83,7 +82,7 @@ pub struct Output {
 pub type Events = ArrayVec<Event, 8>;
 
 /// What is known of the robot's motion up to its last accepted pose.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Track {
     last: Observation,
     /// What the commands make the wheels do at that time, lag included.
@@ -94,7 +93,7 @@ struct Track {
 }
 
 /// Poses that are set aside for now: the last one and how many in a row agree.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Doubt {
     last: Observation,
     count: u32,
@@ -102,12 +101,9 @@ struct Doubt {
 
 /// The controller of one robot. Which decisions it takes otherwise than by what it has identified is its
 /// [compensation](Compensation)'s to say.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Controller<C = Identified> {
-    version: u32,
     settings: Settings,
-    /// Its state is not stored: a server's controller has none.
-    #[serde(skip)]
     compensation: C,
     belief: Belief,
     commands: Commands,
@@ -128,7 +124,6 @@ pub struct Controller<C = Identified> {
     /// What limits the speed at the start of the newest horizon.
     limit: Option<Limit>,
     /// What the robot itself allows.
-    #[serde(default)]
     heard: Heard,
 }
 
@@ -143,7 +138,6 @@ impl<C: Compensation> Controller<C> {
     /// A controller that has seen nothing yet and decides by `compensation`.
     pub fn with(settings: Settings, compensation: C) -> Self {
         Self {
-            version: STATE_VERSION,
             compensation,
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
@@ -161,11 +155,6 @@ impl<C: Compensation> Controller<C> {
             limit: None,
             heard: Heard::default(),
         }
-    }
-
-    /// Whether a stored state is of this version.
-    pub fn is_current(&self) -> bool {
-        self.version == STATE_VERSION
     }
 
     /// Answers one request: learns from its reports and poses, and plans the next horizon.

@@ -324,27 +324,6 @@ fn a_heading_well_off_is_turned_back_in_place() {
 }
 
 #[test]
-fn a_stored_state_goes_on_as_if_nothing_had_happened() {
-    let mut ideal = Ideal::new(standing(Settings::default(), Task::thesis()));
-    ideal.run(200);
-    let text = serde_json::to_string(&ideal.controller).expect("storable");
-    let restored: Controller = serde_json::from_str(&text).expect("readable");
-    assert!(restored.is_current());
-    assert_eq!(restored, ideal.controller);
-    let mut twin = Ideal {
-        period: SLOT,
-        controller: restored,
-        pose: ideal.pose,
-        slot: ideal.slot,
-        horizons: ideal.horizons.clone(),
-        seen: ideal.seen.clone(),
-    };
-    for _ in 0..100 {
-        assert_eq!(twin.step(|pose| pose), ideal.step(|pose| pose));
-    }
-}
-
-#[test]
 fn new_settings_keep_what_was_learned_unless_the_method_changes() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(120);

@@ -36,7 +36,7 @@ impl Channel {
 }
 
 /// What is believed about one channel's error ratio.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelEstimate {
     /// Which channel.
     pub channel: Channel,
@@ -59,7 +59,7 @@ pub struct ChannelEstimate {
 }
 
 /// What is believed about the link.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkEstimate {
     /// Deliveries reported.
     pub samples: u64,
@@ -79,7 +79,7 @@ pub struct LinkEstimate {
 }
 
 /// The identified environment of one robot.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     /// How it was identified.
     pub method: Method,

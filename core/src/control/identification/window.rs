@@ -7,7 +7,6 @@ use crate::horizon::SLOT;
 use crate::kinematics::{self, Drive};
 use crate::prediction::{ERROR_WINDOW, Motion};
 use crate::settings::PoseNoise;
-use serde::{Deserialize, Serialize};
 
 /// Shortest window in slots: the first whole number of 30 ms slots above the thesis's 100 ms.
 pub const WINDOW_SLOTS: f64 = 4.0;
@@ -25,7 +24,7 @@ const CONSTANT: f64 = 0.2;
 const STANDSTILL: f64 = 0.1;
 
 /// The motion that commands alone would make, with the actuator's lag, since the window's first pose.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// The pose at its beginning.
     pub start: Observation,

@@ -14,7 +14,6 @@ pub use pieces::Pieces;
 use crate::conjugate::NormalInverseChiSquared;
 use crate::geometry::{Pose, Twist, length};
 use crate::settings::PoseNoise;
-use serde::{Deserialize, Serialize};
 
 /// Time in s over which a ratio's variance is stated (error acquisition cycle, thesis table 1).
 pub const ERROR_WINDOW: f64 = 0.1;
@@ -23,7 +22,7 @@ pub const ERROR_WINDOW: f64 = 0.1;
 pub const UNSURE: f64 = 1e6;
 
 /// What is assumed of one channel's error ratio.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelModel {
     /// Expected ratio.
     pub mean: f64,
@@ -57,7 +56,7 @@ impl ChannelModel {
 }
 
 /// What is assumed of a robot's motion: one model per channel.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorModel {
     /// Forward error per metre.
     pub forward: ChannelModel,
@@ -80,7 +79,7 @@ impl ErrorModel {
 }
 
 /// A commanded motion over some time, at one speed or several.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Signed arc length in m.
     pub length: f64,

@@ -1,7 +1,5 @@
 //! Whether the robot gets nearer to where it is to go.
 
-use serde::{Deserialize, Serialize};
-
 /// Nearer by this part of the tolerance is nearer.
 const NEARER: f64 = 0.2;
 
@@ -25,7 +23,7 @@ pub struct Goal {
 }
 
 /// The best so far on the way to one waypoint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Advance {
     leg: usize,
     distance: f64,

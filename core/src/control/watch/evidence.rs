@@ -3,7 +3,6 @@
 use crate::exchange::{Observation, PoseNoise};
 use crate::geometry::Displacement;
 use crate::kinematics::Drive;
-use serde::{Deserialize, Serialize};
 
 /// Shortest cell in s: three slots, so that one lost or late command is not all of it.
 pub const CELL: f64 = 0.1;
@@ -34,7 +33,7 @@ const SECOND_DIFFERENCE: f64 = 6.0;
 const NOISE_GAP: f64 = 2.0;
 
 /// What the robot is commanded to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
     /// Driving, also along a curve.
     #[default]
@@ -57,7 +56,7 @@ pub struct Step {
 }
 
 /// A stretch of one kind of motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Cell {
     kind: Kind,
     until: f64,
@@ -75,7 +74,7 @@ struct Cell {
 }
 
 /// The cell that is being filled.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Open {
     start: Observation,
     cell: Cell,
@@ -107,7 +106,7 @@ pub struct Sums {
 }
 
 /// The last cells.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evidence {
     cells: [Cell; CELLS],
     count: usize,
@@ -245,7 +244,7 @@ impl Evidence {
 }
 
 /// How noisy the poses are, as they show it themselves: described noise may be none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jitter {
     last: Option<[f64; 3]>,
     count: u32,

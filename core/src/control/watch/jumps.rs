@@ -1,7 +1,5 @@
 //! Poses that jump there and back, or are set aside in number.
 
-use serde::{Deserialize, Serialize};
-
 /// Poses looked back on.
 const LOOKED_BACK: u32 = u32::BITS;
 
@@ -18,7 +16,7 @@ const FOR: f64 = 2.0;
 const BLIND_FOR: f64 = 0.5;
 
 /// The last poses: which of them jumped, which were set aside.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jumps {
     jumped: u32,
     aside: u32,

@@ -105,7 +105,7 @@ impl Shift {
 }
 
 /// The watch over one robot.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Watch {
     holding: Option<Alarm>,
     /// Whether poses are missing.

@@ -77,7 +77,7 @@ impl Floors {
 }
 
 /// A raise under way, and what it has come to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Raise {
     /// The smallest speeds.
     pub floors: Floors,

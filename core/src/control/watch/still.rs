@@ -4,7 +4,6 @@
 use super::evidence::Step;
 use crate::geometry::Pose;
 use crate::kinematics::Drive;
-use serde::{Deserialize, Serialize};
 
 /// Time in s commanded to move under equal poses after which the poses are frozen, where the camera has noise or the
 /// command was fast: what is left of 2 s to come to rest are the loop delay and the ramp.
@@ -37,7 +36,7 @@ pub enum Stillness {
 }
 
 /// The run of equal poses, and whether the camera has noise.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Still {
     /// Equal poses in a row.
     pub poses: u32,

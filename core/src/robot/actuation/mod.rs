@@ -9,7 +9,6 @@ use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use crate::local::LocalLimits;
 use arrayvec::ArrayVec;
-use serde::{Deserialize, Serialize};
 
 /// Most horizons that are held, the playing one included: at the nominal loop delay of 0.23 s and one per slot, eight
 /// wait where pose and reply take no time at all.
@@ -36,7 +35,7 @@ pub enum Acceptance {
 }
 
 /// What the robot is playing: reported with every request.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playing {
     /// Sequence of the horizon.
     pub horizon: u64,
@@ -48,11 +47,10 @@ pub struct Playing {
 ///
 /// Commands of one plan already keep the acceleration limits. Where the robot has to change plans on a
 /// jump, as when it resumes after a silence, the change is spread within the limits.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Actuation {
     drive: Drive,
     /// What the robot itself allows, whatever horizons say.
-    #[serde(default)]
     limits: LocalLimits,
     /// Places for horizons, which are large and stay where they are.
     places: Vec<Horizon>,
@@ -68,7 +66,6 @@ pub struct Actuation {
     time: f64,
     settled: bool,
     /// Until when nothing changes but the time; none where that has to be looked up.
-    #[serde(skip)]
     unchanged_until: Option<f64>,
 }
 

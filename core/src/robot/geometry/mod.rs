@@ -180,7 +180,7 @@ impl Pose {
 }
 
 /// A rigid motion in the body frame of the pose it starts from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
     /// Motion along the starting heading in m.
     pub forward: f64,
@@ -206,7 +206,7 @@ impl Displacement {
 }
 
 /// Velocity in the body frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {
     /// Forward speed in m/s, negative in reverse.
     pub linear: f64,
@@ -230,7 +230,7 @@ impl Twist {
 }
 
 /// Angular velocities of the two wheels in rad/s, positive when driving the robot forward.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelSpeeds {
     /// Left wheel in rad/s.
     pub left: f64,

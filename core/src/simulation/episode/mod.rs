@@ -14,7 +14,6 @@ use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel, Slip};
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
-use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Default longest simulated time of an episode in s.
@@ -24,7 +23,7 @@ pub const TIME_LIMIT: f64 = 300.0;
 const ON_THEIR_WAY: usize = 32;
 
 /// Everything that an episode is made of, but its seed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// What the controller is told.
     pub settings: Settings,
@@ -43,7 +42,7 @@ pub struct Scenario {
 }
 
 /// A part of the room where floor or link are different, from wall to wall: a patch of film, a corner without reception.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// It begins at this world x in m.
     pub from: f64,
@@ -74,7 +73,7 @@ pub enum EpisodeError {
 }
 
 /// How an episode ended. What was identified is the controller's to say: see [`Scenario::run_with`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Whether the robot was seen at rest at its last waypoint.
     pub arrived: bool,
@@ -85,7 +84,7 @@ pub struct Outcome {
 }
 
 /// One moment of an episode.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceRow {
     /// Simulated time in s.
     pub time: f64,

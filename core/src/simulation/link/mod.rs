@@ -13,8 +13,6 @@ pub use check::LinkError;
 pub use packets::Link;
 pub use trace::{MAX_TRACE_ROWS, RttTrace, TRACE_HEADER, TraceError, parse_trace};
 
-use serde::{Deserialize, Serialize};
-
 use crate::horizon::SLOT;
 
 /// Longest delay or silence in s that a model may ask for; five times the worst ever recorded.
@@ -44,8 +42,7 @@ pub const PRESETS: [&str; 4] = ["clean", "normal", "bad", "wifi-bursty"];
 const Z_99: f64 = 2.326_347_874_040_841;
 
 /// The ordinary round-trip time, shared by the two directions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Rtt {
     /// The same RTT in s for every packet.
     Constant(f64),
@@ -64,7 +61,7 @@ pub enum Rtt {
 /// Late packets: a downlink slot is late with a probability that depends on the slot before (a two-state chain).
 ///
 /// Independent slots are the chain whose `after_late` is `probability`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatePackets {
     /// Probability that a slot is late, over the long run.
     pub probability: f64,
@@ -110,7 +107,7 @@ impl LatePackets {
 }
 
 /// A window in which nothing gets through, in either direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outage {
     /// Begin in s; a packet sent at it is in the outage.
     pub start: f64,
@@ -122,7 +119,7 @@ pub struct Outage {
 ///
 /// Durations are heavy-tailed: P(longer than d) falls as 1/d between `shortest` and `longest` (bounded Pareto).
 /// Silences that overlap join, so the link may now and then be silent for more than `longest`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silences {
     /// Silences per s; 0 for none.
     pub rate: f64,
@@ -159,7 +156,7 @@ impl Silences {
 }
 
 /// What a link is like. Any values may stand in the fields; [`Link::new`] refuses those that mean nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LinkModel {
     /// From the pose being taken to its being known on the robot, in s.
     pub sensor_delay: f64,

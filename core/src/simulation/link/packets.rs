@@ -3,7 +3,6 @@
 use super::{LinkError, LinkModel, Rtt, SLOT, Z_99};
 use crate::draws::{Draws, Stream};
 use crate::geometry::elementary::exp;
-use serde::{Deserialize, Serialize};
 
 /// A send time this share of a slot before the next slot counts as in it: multiples of 0.03 are not exact.
 const ROUNDING: f64 = 1e-6;
@@ -23,7 +22,7 @@ fn slot_of(now: f64) -> i64 {
 const BEGINNING: f64 = -1e300;
 
 /// What a direction remembers of its past.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Direction {
     /// Latest arrival so far in s; the floor for the next one if in order.
     last_arrival: f64,
@@ -50,8 +49,7 @@ impl Direction {
 /// assert!((link.downlink(at_server).unwrap() - 1.002).abs() < 1e-12);
 /// # Ok::<(), umwelt_core::link::LinkError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Stored", into = "Stored")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     model: LinkModel,
     seed: u64,
@@ -65,32 +63,6 @@ pub struct Link {
     jitter: (u64, u64),
     /// Derived: probability of a late slot after one on time.
     after_on_time: f64,
-}
-
-/// A [`Link`] without what follows from its model.
-#[derive(Clone, Serialize, Deserialize)]
-struct Stored {
-    model: LinkModel,
-    seed: u64,
-    up: Direction,
-    down: Direction,
-    late: Option<(i64, bool)>,
-}
-
-impl From<Link> for Stored {
-    fn from(link: Link) -> Self {
-        let Link { model, seed, up, down, late, .. } = link;
-        Self { model, seed, up, down, late }
-    }
-}
-
-impl TryFrom<Stored> for Link {
-    type Error = LinkError;
-
-    fn try_from(stored: Stored) -> Result<Self, LinkError> {
-        let Stored { model, seed, up, down, late } = stored;
-        Ok(Self { up, down, late, ..Self::new(model, seed)? })
-    }
 }
 
 /// Median and spread of the logarithm of one of two independent lognormal delays whose sum has the given quantiles.

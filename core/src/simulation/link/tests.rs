@@ -213,24 +213,6 @@ fn a_trace_is_replayed_half_up_half_down() {
 }
 
 #[test]
-fn a_stored_link_goes_on_as_if_it_had_not_been_stored() {
-    let mut run = link(&preset("wifi-bursty"), 17);
-    for i in 0..1000 {
-        run.uplink(time(i));
-        run.downlink(time(i));
-    }
-    let text = serde_json::to_string(&run).unwrap();
-    let mut stored: Link = serde_json::from_str(&text).unwrap();
-    for i in 1000..3000 {
-        let (a, b) = (run.downlink(time(i)).unwrap(), stored.downlink(time(i)).unwrap());
-        assert!((a - b).abs() < 1e-9, "{i}: {a} {b}");
-    }
-    let wrong = text.replace("\"extra\":0.4", "\"extra\":-0.4");
-    assert_ne!(wrong, text);
-    assert!(serde_json::from_str::<Link>(&wrong).is_err());
-}
-
-#[test]
 fn what_means_nothing_is_refused_with_its_value() {
     let normal = || preset("normal");
     let bursts = |probability, after_late| LinkModel {

@@ -1,7 +1,6 @@
 //! Recorded round trips: rows of time and RTT, read from CSV and repeated for ever.
 
 use super::{LONGEST_DELAY, excerpt};
-use serde::{Deserialize, Serialize};
 
 /// The first line of a trace in CSV.
 pub const TRACE_HEADER: &str = "t_s,rtt_ms";
@@ -20,8 +19,7 @@ pub const MAX_TRACE_ROWS: usize = 1_000_000;
 /// assert_eq!([0.0, 0.9, 1.0, 4.9, 5.0, 6.0].map(|t| trace.at(t)), [0.02, 0.02, 0.05, 0.01, 0.02, 0.05]);
 /// # Ok::<(), umwelt_core::link::TraceError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RttTrace {
     rows: Vec<(f64, f64)>,
 }
@@ -141,20 +139,6 @@ impl RttTrace {
         let phase = first.0 + (now - first.0).rem_euclid(self.period());
         let after = self.rows.partition_point(|row| row.0 <= phase);
         self.rows[after.max(1) - 1].1
-    }
-}
-
-impl TryFrom<Vec<(f64, f64)>> for RttTrace {
-    type Error = TraceError;
-
-    fn try_from(rows: Vec<(f64, f64)>) -> Result<Self, TraceError> {
-        Self::new(rows)
-    }
-}
-
-impl From<RttTrace> for Vec<(f64, f64)> {
-    fn from(trace: RttTrace) -> Self {
-        trace.rows
     }
 }
 
@@ -280,15 +264,6 @@ mod tests {
         assert_eq!(trace.rows(), [(0.0, 0.04), (2.0, 0.08)]);
         assert_eq!(trace.period(), 4.0);
         assert_eq!(RttTrace::new(vec![(3.0, 0.2)]).unwrap().at(-7.0), 0.2);
-    }
-
-    #[test]
-    fn a_stored_trace_is_checked_when_read() {
-        let trace = parse_trace("t_s,rtt_ms\n0,40\n2,80").unwrap();
-        let text = serde_json::to_string(&trace).unwrap();
-        assert_eq!(text, "[[0.0,0.04],[2.0,0.08]]");
-        assert_eq!(serde_json::from_str::<RttTrace>(&text).unwrap(), trace);
-        assert!(serde_json::from_str::<RttTrace>("[[1.0,0.04],[1.0,0.08]]").is_err());
     }
 
     proptest! {

@@ -10,7 +10,6 @@ use crate::geometry::elementary::{least, sin_cos, sinc_cos};
 use crate::geometry::{Pose, Twist, WheelSpeeds};
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
-use serde::{Deserialize, Serialize};
 
 mod slip;
 
@@ -30,7 +29,7 @@ pub const MAX_WAITING: usize = 64;
 const ROUNDING: f64 = 1e-12;
 
 /// What a simulated robot is like. [`Plant::new`] refuses what means nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlantModel {
     /// Wheels, track, limits, lag and dead time as they really are.
     pub drive: Drive,
@@ -120,7 +119,7 @@ impl PlantModel {
 /// assert!((plant.pose().x - 0.06).abs() < 1e-12 && plant.pose().y == 0.0);
 /// # Ok::<(), umwelt_core::plant::PlantError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plant {
     model: PlantModel,
     pose: Pose,

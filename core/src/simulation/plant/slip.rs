@@ -1,7 +1,6 @@
 //! What a floor does to the commanded motion.
 
 use crate::prediction::ERROR_WINDOW;
-use serde::{Deserialize, Serialize};
 
 /// The time in s over which a channel's standard deviation is stated: what is identified is stated over the same.
 pub const SLIP_WINDOW: f64 = ERROR_WINDOW;
@@ -24,16 +23,8 @@ pub const SLIP_PRESETS: [&str; 8] =
 /// assert!(SlipChannel::new(0.0, -0.1).is_err());
 /// # Ok::<(), umwelt_core::plant::SlipError>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Fields", into = "Fields")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SlipChannel {
-    mean: f64,
-    sd: f64,
-}
-
-/// A [`SlipChannel`] before it is checked.
-#[derive(Serialize, Deserialize)]
-struct Fields {
     mean: f64,
     sd: f64,
 }
@@ -75,22 +66,8 @@ impl SlipChannel {
     }
 }
 
-impl TryFrom<Fields> for SlipChannel {
-    type Error = SlipError;
-
-    fn try_from(fields: Fields) -> Result<Self, SlipError> {
-        Self::new(fields.mean, fields.sd)
-    }
-}
-
-impl From<SlipChannel> for Fields {
-    fn from(channel: SlipChannel) -> Self {
-        Self { mean: channel.mean, sd: channel.sd }
-    }
-}
-
 /// What a floor adds to the commanded motion, in the body frame (thesis eq. 22-25, corrected).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slip {
     /// Forward motion per commanded forward motion; -0.1 is a tenth less far.
     pub forward: SlipChannel,
@@ -206,14 +183,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn presets_pass_the_check_and_survive_storage() {
+    fn presets_pass_the_check() {
         for name in SLIP_PRESETS {
             let slip = Slip::preset(name).unwrap();
             for channel in [slip.forward, slip.lateral, slip.turn, slip.drift] {
                 assert_eq!(SlipChannel::new(channel.mean, channel.sd), Ok(channel), "{name}");
             }
-            let text = serde_json::to_string(&slip).unwrap();
-            assert_eq!(serde_json::from_str::<Slip>(&text).unwrap(), slip);
         }
         assert_eq!(Slip::NONE, Slip::default());
     }
@@ -228,6 +203,5 @@ mod tests {
             assert_eq!(SlipChannel::new(0.1, sd), Err(SlipError::Sd(sd)));
         }
         assert!(matches!(SlipChannel::new(0.1, f64::NAN), Err(SlipError::Sd(_))));
-        assert!(serde_json::from_str::<SlipChannel>(r#"{"mean":0.1,"sd":-1.0}"#).is_err());
     }
 }

@@ -207,20 +207,6 @@ fn a_floor_that_changes_keeps_its_draws() {
 }
 
 #[test]
-fn a_stored_plant_goes_on_as_if_it_had_not_been_stored() {
-    let drive = Drive { lag: 0.1, dead_time: 0.08, ..Drive::default() };
-    let model = PlantModel { drive, slip: Slip::SLIPPERY, noise: PoseNoise::CAMERA };
-    let mut plant = Plant::new(model, Pose::default(), 9).unwrap();
-    plant.advance(wheels(FAST), 0.333);
-    plant.advance(wheels(Twist::new(0.05, 0.5)), 0.02);
-    let mut stored: Plant = serde_json::from_str(&serde_json::to_string(&plant).unwrap()).unwrap();
-    for plant in [&mut plant, &mut stored] {
-        plant.advance(wheels(Twist::new(0.1, -0.5)), 0.7);
-    }
-    assert!(distance(plant.observe(), stored.observe()) < 1e-9);
-}
-
-#[test]
 fn what_means_nothing_is_refused_with_its_value_and_never_moves_the_robot() {
     let good = PlantModel::default();
     let drive = |drive| PlantModel { drive, ..good };

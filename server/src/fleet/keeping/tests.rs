@@ -94,7 +94,7 @@ impl Life {
             let common = Common { lost_after: Duration::from_secs(2), feed, priors, workers };
             let robots = disk.load().unwrap().robots;
             let keeper = Keeper::new(disk.clone());
-            Fleet::open(&Config::default(), keeper, common, robots, stops)
+            Fleet::open(&Config::default(), keeper, common, robots, stops, Default::default())
         });
         Self { runtime, fleet, disk }
     }

@@ -7,13 +7,13 @@ pub(crate) use events::events;
 use super::page::{self, Query};
 use crate::answer;
 use crate::app::App;
-use crate::documents::Name;
+use crate::documents;
 use crate::etag;
-use crate::extract::Named;
+use crate::extract::{Name, Named};
 use crate::failure::{self, Failure, Result};
 use crate::fleet::to_the_end;
 use crate::jobs::{Job, Jobs, Shown, Submitting, Work, read_part};
-use crate::store::{JobId, Part};
+use crate::store::{JobId, Kind, Part};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{Response, sse};
@@ -22,6 +22,7 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::str::FromStr;
 use std::sync::Arc;
+use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
 use umwelt_api::{IdempotencyKey, InvalidId};
 
@@ -44,7 +45,11 @@ pub(crate) trait Resource: Work {
     }
 
     /// A page of a list.
-    fn page(jobs: Vec<Self::Wire>, next_page_token: Option<String>) -> impl Serialize;
+    fn page(
+        jobs: Vec<Self::Wire>,
+        unreadable: Vec<Unreadable>,
+        next_page_token: Option<String>,
+    ) -> impl Serialize;
 
     /// Where it stands, as an event.
     ///
@@ -78,7 +83,16 @@ pub(crate) async fn list<W: Resource>(
     let (page, next_page_token) =
         page::cut(found, query.size, |job: &Arc<Job<W>>| job.id().number.to_string());
     let jobs = page.iter().map(|job| W::listed(job)).collect();
-    answer::json(StatusCode::OK, &W::page(jobs, next_page_token))
+    let last = next_page_token.as_ref().and_then(|last| last.parse::<u64>().ok());
+    let is_listed = |name: &str| {
+        let number = name.rsplit('-').next().and_then(|number| number.parse::<u64>().ok());
+        number.is_none_or(|number| {
+            query.after.is_none_or(|before| number < before) && last.is_none_or(|it| number >= it)
+        })
+    };
+    let is_whole = query.state.is_none();
+    let unreadable = app.unreadable.page(Kind::Job(W::KIND), |name| is_whole && is_listed(name));
+    answer::json(StatusCode::OK, &W::page(jobs, unreadable, next_page_token))
 }
 
 pub(crate) async fn cancel<W: Resource>(State(app): State<App>, Named(job): Named<W>) -> Result {
@@ -89,9 +103,18 @@ pub(crate) async fn cancel<W: Resource>(State(app): State<App>, Named(job): Name
     .await
 }
 
-pub(crate) async fn delete<W: Resource>(State(app): State<App>, Named(job): Named<W>) -> Result {
+pub(crate) async fn delete<W: Resource>(State(app): State<App>, Name(id): Name<W>) -> Result {
     to_the_end(async move {
-        W::jobs(&app).delete(&job).await?;
+        let (jobs, kind, name) = (W::jobs(&app), Kind::Job(W::KIND), id.as_ref());
+        if let Some(job) = jobs.find(name) {
+            jobs.delete(&job).await?;
+            return Ok(answer::nothing());
+        }
+        if app.unreadable.find(kind, name).is_none() {
+            return Err(failure::no_such(kind.name(), name));
+        }
+        jobs.give_up(name).await?;
+        app.unreadable.remove(kind, name);
         Ok(answer::nothing())
     })
     .await
@@ -151,7 +174,7 @@ impl<W: Resource> Made<'_, W> {
             let parts: Result<Vec<_>, _> = kept.iter().map(|part| read::<W>(id, part)).collect();
             make(&job, &parts?).map_err(|error| failure::internal(error.to_string()))
         };
-        let name = Name { job: id, what: self.what, state: self.state };
+        let name = documents::Name { job: id, what: self.what, state: self.state };
         let document = self.app.documents.get(name, self.media_type, kept, make).await?;
         Ok(document.answer(self.headers))
     }

@@ -1,6 +1,6 @@
 //! Changes as SQL.
 
-use super::document;
+use crate::store::document::{self, prior, robot};
 use crate::store::{Change, JobId, StoredJob};
 use rusqlite::{Connection, params};
 use umwelt_core::controller::STATE_VERSION;
@@ -45,7 +45,7 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
                  VALUES (?1, ?2, ?3, row_checksum('robots', ?1, ?2, ?3)) \
                  ON CONFLICT (id) DO UPDATE SET revision = excluded.revision, \
                  body = excluded.body, checksum = excluded.checksum",
-                params![id.as_str(), revision, document::of_record(record)?],
+                params![id.as_str(), revision, robot::of_record(record)?],
             )
         }
         Change::DeleteRobot(id) => run("DELETE FROM robots WHERE id = ?1", params![id.as_str()]),
@@ -59,14 +59,14 @@ pub(super) fn apply(connection: &Connection, change: &Change) -> Result<(), Appl
                 id.as_str(),
                 integer(posterior.revision)?,
                 STATE_VERSION,
-                document::of_saved(&posterior.saved)?
+                robot::of_saved(&posterior.saved)?
             ],
         ),
-        Change::PutPrior(prior) => run(
+        Change::PutPrior(named) => run(
             "INSERT INTO priors (name, body, checksum) \
              VALUES (?1, ?2, row_checksum('priors', ?1, ?2)) \
              ON CONFLICT (name) DO UPDATE SET body = excluded.body, checksum = excluded.checksum",
-            params![prior.name, document::of_prior(prior)?],
+            params![named.name, prior::of_prior(named)?],
         ),
         Change::DeletePrior(name) => run("DELETE FROM priors WHERE name = ?1", params![name]),
         Change::PutEnvironment(environment) => run(

@@ -62,7 +62,7 @@ fn look(file: &Path, remove: bool) -> Result<Vec<Damage>, Unusable> {
     })?;
     let damaged = damage::scan(&transaction)?;
     if remove && !damaged.is_empty() {
-        damage::remove(&transaction, &damaged)?;
+        damage::remove(&transaction)?;
         transaction.commit()?;
     }
     Ok(damaged)

@@ -1,9 +1,8 @@
 //! Rows that are not as they were written: found, named, and taken out.
 
-use super::document;
-use super::tables::{self, CHECKPOINTS, PARTS, PRIORS, ROBOTS, Table};
+use super::tables::{self, CHECKPOINTS, PARTS, Table};
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, Row, ToSql, params_from_iter};
+use rusqlite::{Connection, Row};
 use std::fmt;
 use std::path::Path;
 
@@ -79,30 +78,15 @@ pub(super) fn scan(connection: &Connection) -> rusqlite::Result<Vec<Damage>> {
         let mut select = connection.prepare(&table.select(""))?;
         let mut rows = select.query([])?;
         while let Some(row) = rows.next()? {
-            damaged.extend(Damage::changed(table, row).or_else(|| meaningless(table, row)));
+            damaged.extend(Damage::changed(table, row));
         }
     }
     Ok(damaged)
 }
 
-/// A row that is as it was written and still cannot be read: it was damaged before it had a checksum.
-fn meaningless(table: &Table, row: &Row<'_>) -> Option<Damage> {
-    let text = |index| row.get::<_, String>(index).unwrap_or_default();
-    let read = match table.name {
-        name if name == ROBOTS.name => document::record(&text(2), 0).map(drop),
-        name if name == PRIORS.name => document::prior(text(0), &text(1)).map(drop),
-        _ => Ok(()),
-    };
-    match read {
-        // It is of a newer program: nothing is wrong with it.
-        Ok(()) | Err(document::Unreadable::Newer(_)) => None,
-        Err(why) => Some(Damage::of(table, row, why)),
-    }
-}
-
 /// Takes out every row that [`scan`] finds, a robot with what it learned, and a job with everything of it where one of
 /// its parts or its checkpoint is damaged.
-pub(super) fn remove(connection: &Connection, damaged: &[Damage]) -> rusqlite::Result<()> {
+pub(super) fn remove(connection: &Connection) -> rusqlite::Result<()> {
     for table in [&PARTS, &CHECKPOINTS] {
         let (name, is_whole) = (table.name, table.is_whole());
         let of_job = format!(
@@ -114,14 +98,6 @@ pub(super) fn remove(connection: &Connection, damaged: &[Damage]) -> rusqlite::R
     for table in tables::ALL {
         let (name, is_whole) = (table.name, table.is_whole());
         connection.execute(&format!("DELETE FROM {name} WHERE NOT {is_whole}"), [])?;
-    }
-    // Those that are left are whole and mean nothing; theirs are keys of one column, which can be read.
-    for Damage { table, key, .. } in damaged {
-        let Some(table) = [&ROBOTS, &PRIORS].into_iter().find(|it| it.name == *table) else {
-            continue;
-        };
-        let delete = format!("DELETE FROM {} WHERE {} = ?1", table.name, table.key[0]);
-        connection.execute(&delete, params_from_iter([key as &dyn ToSql]))?;
     }
     Ok(())
 }

@@ -9,7 +9,6 @@ mod backup;
 mod check;
 mod checksum;
 mod damage;
-mod document;
 mod files;
 mod log;
 mod open;

@@ -1,14 +1,14 @@
 //! What is kept, read back: every row is held against its checksum.
 
 use super::damage::{self, Damage};
-use super::document;
 use super::open::call_failed;
 use super::tables::{
     CHECKPOINTS, ENVIRONMENTS, JOBS, LAST_NUMBERS, PARTS, POSTERIORS, PRIORS, ROBOTS, Table,
 };
+use crate::store::document::{prior, robot};
 use crate::store::{
-    Contents, JobId, JobKind, Part, StoreError, StoredEnvironment, StoredJob, StoredPrior,
-    StoredRobot,
+    Contents, JobId, JobKind, Kind, Part, StoreError, StoredEnvironment, StoredJob, StoredPrior,
+    StoredRobot, Unreadable,
 };
 use rusqlite::{Connection, Params, Row, params};
 use std::collections::BTreeMap;
@@ -96,26 +96,39 @@ pub(super) fn contents(connection: &mut Connection) -> Result<Contents, ReadErro
         let last = last_numbers.entry(*kind).or_default();
         *last = (*last).max(*number);
     }
+    let mut unreadable = Vec::new();
     let contents = Contents {
-        robots: robots(&moment, &mut damaged)?,
-        priors: priors(&moment)?.or_say(&mut damaged),
+        robots: robots(&moment, &mut damaged, &mut unreadable)?,
+        priors: readable(priors(&moment)?.or_say(&mut damaged), &mut unreadable),
         environments: environments(&moment)?.or_say(&mut damaged),
         jobs,
+        unreadable,
         last_numbers,
     };
     if damaged.is_empty() { Ok(contents) } else { Err(ReadError::Damaged(damaged)) }
 }
 
+/// Those that can be read; the others are noted.
+fn readable<T>(rows: Vec<Result<T, Unreadable>>, unreadable: &mut Vec<Unreadable>) -> Vec<T> {
+    let note = |row: Result<T, Unreadable>| row.map_err(|why| unreadable.push(why)).ok();
+    rows.into_iter().filter_map(note).collect()
+}
+
 fn robots(
     connection: &Connection,
     damaged: &mut Vec<Damage>,
+    unreadable: &mut Vec<Unreadable>,
 ) -> rusqlite::Result<Vec<StoredRobot>> {
     let found = Rows::read(connection, &ROBOTS, "ORDER BY id", [], |row| {
         let (name, revision): (String, i64) = (row.get(0)?, row.get(1)?);
-        let record = document::record(&row.get::<_, String>(2)?, revision.unsigned_abs())?;
-        Ok(StoredRobot { id: name.parse()?, record, saved: None })
+        let (id, revision) = (name.parse()?, revision.unsigned_abs());
+        let record = robot::record(&row.get::<_, String>(2)?, revision);
+        Ok(match record {
+            Ok(record) => Ok(StoredRobot { id, record, saved: None }),
+            Err(why) => Err(Unreadable { revision, ..Unreadable::new(Kind::Robot, name, &why) }),
+        })
     })?;
-    let mut robots = found.or_say(damaged);
+    let mut robots = readable(found.or_say(damaged), unreadable);
     let learned = Rows::read(connection, &POSTERIORS, "", [], |row| {
         let (robot, version): (String, u32) = (row.get(0)?, row.get(1)?);
         let saved = saved(&robot, version, &row.get::<_, String>(2)?)?;
@@ -126,8 +139,10 @@ fn robots(
         robot.saved = saved.remove(robot.id.as_str()).flatten();
     }
     for damage in learned.damaged {
-        match robots.iter_mut().find(|robot| robot.id.as_str() == damage.key) {
+        let is_of = |name: &str| name == damage.key;
+        match robots.iter_mut().find(|robot| is_of(robot.id.as_str())) {
             Some(robot) => learn_anew(robot, &damage),
+            None if unreadable.iter().any(|it| it.kind == Kind::Robot && is_of(&it.name)) => {}
             // Whose it is cannot be told: that robot would begin its task anew, and nobody would be told.
             None => damaged.push(damage),
         }
@@ -136,9 +151,9 @@ fn robots(
 }
 
 /// What a robot has learned, where it is of this program's version; otherwise the robot learns anew.
-fn saved(robot: &str, version: u32, body: &str) -> Result<Option<Saved>, document::Unreadable> {
+fn saved(robot: &str, version: u32, body: &str) -> Result<Option<Saved>, serde_json::Error> {
     if version == STATE_VERSION {
-        return document::saved(body).map(Some);
+        return robot::saved(body).map(Some);
     }
     tracing::warn!(
         robot,
@@ -157,9 +172,11 @@ fn learn_anew(robot: &mut StoredRobot, damage: &Damage) {
     tracing::error!(robot = %robot.id, %damage, remedy, "what a robot has learned is damaged");
 }
 
-fn priors(connection: &Connection) -> rusqlite::Result<Rows<StoredPrior>> {
+fn priors(connection: &Connection) -> rusqlite::Result<Rows<Result<StoredPrior, Unreadable>>> {
     Rows::read(connection, &PRIORS, "ORDER BY name", [], |row| {
-        Ok(document::prior(row.get(0)?, &row.get::<_, String>(1)?)?)
+        let name: String = row.get(0)?;
+        let read = prior::prior(name.clone(), &row.get::<_, String>(1)?);
+        Ok(read.map_err(|why| Unreadable::new(Kind::Prior, name, &why)))
     })
 }
 

@@ -6,7 +6,6 @@ use crate::exchange::Request;
 use crate::geometry::Twist;
 use crate::kinematics::Drive;
 use crate::local::LocalLimits;
-use serde::{Deserialize, Serialize};
 
 /// Time in s after which a robot that never reports what it plays counts as doing what it is told again.
 const REPORTED_BY: f64 = 2.0;
@@ -23,7 +22,7 @@ pub(super) enum Change {
 }
 
 /// A stretch of robot time in which the robot did something else than it was told.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Away {
     /// It did as told at this time in s, for the last time.
     from: f64,
@@ -35,7 +34,7 @@ struct Away {
 }
 
 /// What was heard of the robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Heard {
     limits: LocalLimits,
     /// Whether it is to rest, by its drive and what it allows.

@@ -4,6 +4,7 @@ mod writes;
 
 use super::schema::{MIGRATIONS, Unusable};
 use super::*;
+use crate::store::document::robot as document;
 use crate::store::tests::{evolution, id, id_of, record, saved};
 use crate::store::{Change, JobKind, Posterior};
 use rusqlite::Connection;
@@ -237,7 +238,7 @@ fn a_database_of_version_1_opens() {
     assert_eq!(contents.priors[0].name, "wet-floor");
     assert!(matches!(
         &contents.priors[0].source,
-        crate::store::PriorSource::Evolution { seed: 18_446_744_073_709_551_615, .. }
+        umwelt_api::prior::Source::Evolution { seed: 18_446_744_073_709_551_615, .. }
     ));
     assert_eq!(contents.environments[0].body, "{\"version\":1}");
     // Evolutions became one kind of job in version 2.
@@ -320,18 +321,28 @@ fn rewrite(directory: &TempDir, table: &str, sql: &str) {
     connection.execute_batch(&checksum).unwrap();
 }
 
-/// A file that is damaged while the server runs is damage, not a store that may come back.
+/// Guards against a program that calls damage what it only cannot read, and does not start for it.
 #[test]
-fn damage_that_shows_only_in_use_is_called_damage() {
+fn a_row_that_is_whole_and_cannot_be_read_is_no_damage() {
     let directory = tempdir().unwrap();
     let store = open(&directory);
-    store.commit(vec![robot("r", 1)]).unwrap();
-    rewrite(&directory, "robots", "UPDATE robots SET body = '{\"version\": 1}'");
-    let Err(StoreError::Damaged(said)) = store.load() else { panic!("it means nothing") };
-    assert!(said.contains("robots r (") && said.contains(DATA_FILE), "{said}");
-    rewrite(&directory, "robots", "UPDATE robots SET body = '{\"version\": 2}'");
-    let Err(StoreError::Damaged(said)) = store.load() else { panic!("it is of a newer program") };
-    assert!(said.contains("version 2"), "{said}");
+    store.commit(vec![robot("r", 5), learned("r", 5), robot("s", 2)]).unwrap();
+    for (body, why, written_by) in [
+        (r#"{"version": 1}"#, "missing field", None),
+        (r#"{"version": 9, "program": "0.9.0"}"#, "its form is of version 9", Some("0.9.0")),
+    ] {
+        let set = format!("UPDATE robots SET body = '{body}' WHERE id = 'r'");
+        rewrite(&directory, "robots", &set);
+        let Contents { robots, unreadable, .. } = store.load().unwrap();
+        assert_eq!(robots.iter().map(|robot| robot.id.as_str()).collect::<Vec<_>>(), ["s"]);
+        let [unreadable] = &unreadable[..] else { panic!("{unreadable:?}") };
+        assert_eq!((unreadable.name.as_str(), unreadable.revision), ("r", 5));
+        assert!(unreadable.why.starts_with(why), "{unreadable:?}");
+        assert_eq!(unreadable.written_by.as_deref(), written_by);
+        assert_eq!(check(directory.path(), false).unwrap().damaged, []);
+    }
+    store.commit(vec![robot("r", 7)]).unwrap();
+    assert_eq!(store.load().unwrap().unreadable, [], "another one is in its place");
 }
 
 /// The bug to fear: a new version of what robots learn keeps the server from starting.

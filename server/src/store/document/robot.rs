@@ -1,0 +1,76 @@
+//! A robot as it is kept, and what it has learned.
+
+use super::{Form, Unfit, Unreadable, former};
+use crate::store::Record;
+use serde::{Deserialize, Serialize};
+use umwelt_api::{robot, task};
+use umwelt_core::controller::Saved;
+use umwelt_core::settings::Settings;
+
+/// How robots are kept. Version 1 had core's names.
+pub(crate) const FORM: Form =
+    Form { is_within: false, upgrades: &[former::robot], base: include_str!("base/robot.json") };
+
+#[derive(Serialize, Deserialize)]
+struct Content {
+    settings: robot::Spec,
+    /// What the prior was when it was given, by name or by itself.
+    prior: robot::Prior,
+    task: Option<task::Spec>,
+    stopped: bool,
+}
+
+/// The body of a robot.
+pub(crate) fn of_record(record: &Record) -> Result<String, Unfit> {
+    let unfit = Unfit { what: "a robot" };
+    let Record { settings, prior, task, stopped, .. } = record;
+    let content = Content {
+        settings: robot::Spec::from_core(settings, prior.as_deref()),
+        prior: settings.prior.into(),
+        task: task.as_ref().map(task::Spec::from),
+        stopped: *stopped,
+    };
+    let Ok(body) = FORM.write(&content) else { return Err(unfit) };
+    let is_exact = self::record(&body, record.revision).is_ok_and(|read| read == *record);
+    if is_exact { Ok(body) } else { Err(unfit) }
+}
+
+/// The robot of a body.
+pub(crate) fn record(body: &str, revision: u64) -> Result<Record, Unreadable> {
+    FORM.read_with(body, |mut content| {
+        // Of a prior without a name, the values beside it count.
+        if content["settings"]["prior"].is_object() {
+            content["settings"]["prior"] = content["prior"].clone();
+        }
+        let content: Content = serde_json::from_value(content).map_err(|it| it.to_string())?;
+        let Content { settings, prior, task, stopped } = content;
+        let values = prior.convert().map_err(|error| error.to_string())?;
+        Ok::<_, String>(Record {
+            settings: settings.convert(values),
+            prior: settings.prior.name().map(str::to_owned),
+            task: task.map(|task| task.convert()),
+            stopped,
+            revision,
+        })
+    })
+}
+
+/// The settings of a controller that are kept with its prior in them, not by name.
+pub(crate) fn controller(spec: &robot::Spec) -> Result<Settings, String> {
+    match &spec.prior {
+        robot::PriorChoice::Inline(prior) => {
+            Ok(spec.convert(prior.convert().map_err(|error| error.to_string())?))
+        }
+        robot::PriorChoice::Named(name) => Err(format!("the prior {name} without its values")),
+    }
+}
+
+/// The body of what a robot has learned; its version stands beside it.
+pub(crate) fn of_saved(saved: &Saved) -> Result<String, Unfit> {
+    serde_json::to_string(saved).map_err(|_| Unfit { what: "what a robot has learned" })
+}
+
+/// What a robot has learned, of the version of this program.
+pub(crate) fn saved(body: &str) -> Result<Saved, serde_json::Error> {
+    serde_json::from_str(body)
+}
