@@ -187,7 +187,7 @@ used by a, b
     #[test]
     fn priors_are_a_table() {
         let page =
-            Page { priors: vec![prior(evolved()), prior(Source::BuiltIn)], next_page_token: None };
+            Page { priors: vec![prior(evolved()), prior(Source::BuiltIn)], ..Page::default() };
         assert_eq!(
             list(&page),
             "\

@@ -173,8 +173,7 @@ mod tests {
     fn simulated_environments_are_a_table() {
         let presets = environment(r#"{"slip": "oily", "link": "bad"}"#);
         let presets = Environment { built_in: true, ..presets };
-        let page =
-            Page { environments: vec![presets, environment(NUMBERS)], next_page_token: None };
+        let page = Page { environments: vec![presets, environment(NUMBERS)], ..Page::default() };
         assert_eq!(list(&page), "\
 ENVIRONMENT  FLOOR                      LINK                                     FITNESS                                      WEIGHT  FROM
 oily         oily                       bad                                      normal: speed, within the largest deviation       1  the server

@@ -136,7 +136,7 @@ fn comparisons_are_a_table() {
     };
     let mut without = comparison();
     without.spec.prior = None;
-    let page = Page { comparisons: vec![running, without], next_page_token: None };
+    let page = Page { comparisons: vec![running, without], ..Page::default() };
     assert_eq!(
         list(&page),
         "\

@@ -150,7 +150,7 @@ fn evolutions_and_generations_are_tables() {
         },
         ..evolution()
     };
-    let page = Page { evolutions: vec![running, evolution()], next_page_token: None };
+    let page = Page { evolutions: vec![running, evolution()], ..Page::default() };
     assert_eq!(
         list(&page),
         "\

@@ -78,7 +78,7 @@ fn a_lost_robot_stays_on_the_list_with_its_last_pose() {
         loop_delay_median_s: Some(0.2124),
         ..robot("rover-7", State::Lost)
     };
-    let page = Page { robots: vec![robot("a", State::Never), lost], next_page_token: None };
+    let page = Page { robots: vec![robot("a", State::Never), lost], ..Page::default() };
     assert_eq!(list(&page), "\
 ROBOT    STATE               SEEN  TASK               X         Y     HEADING  LARGEST DEVIATION  LOOP DELAY
 a        never seen             -  -                  -         -           -                  -           -
@@ -92,7 +92,7 @@ fn a_robot_that_holds_shows() {
     let text = show(&held);
     assert!(text.starts_with("a: connected, held by the robot itself\n"), "{text}");
     assert!(text.contains("\n  max speed   0.050 m/s, as the robot itself allows\n"), "{text}");
-    let page = Page { robots: vec![held], next_page_token: None };
+    let page = Page { robots: vec![held], ..Page::default() };
     assert!(list(&page).contains("connected, held"), "{}", list(&page));
 }
 
