@@ -22,38 +22,17 @@
 //! Architecture invariants: nothing here plans or identifies, that is core's; nothing here names a wire field,
 //! that is the contract's; no request waits for another robot's task; steps never touch the store.
 
-mod answer;
-mod app;
-mod budget;
-mod catalogue;
-mod comparison;
-mod condition;
-mod config;
-mod connection;
-mod deadline;
-mod documents;
-mod etag;
-mod evolution;
-mod extract;
-mod failure;
-mod feed;
-mod figures;
 mod fleet;
-mod frames;
-mod guard;
+mod http;
 mod jobs;
-mod memory;
-pub mod offline;
-mod priors;
-mod robot;
-mod router;
-mod routes;
-mod serve;
+mod lab;
+mod library;
+pub mod program;
 pub mod store;
-mod training;
 
-pub use config::Config;
-pub use guard::{HostName, Origin, read_token};
+pub use http::guard::{HostName, Origin, read_token};
 pub use jobs::Priority;
-pub use serve::Server;
+pub use lab::offline;
+pub use program::config::Config;
+pub use program::serve::Server;
 pub use store::Store;

@@ -4,14 +4,16 @@
 //! kept is refused and changes nothing. Stopping is the other way round: it must work whatever the store does.
 //! A change once begun runs to its end, even if the caller has gone.
 
+pub(crate) mod feed;
 mod keeping;
+pub(crate) mod robot;
 mod saving;
 mod stop;
 
-use crate::condition::Condition;
-use crate::config::Config;
-use crate::failure::{self, Failure};
-use crate::robot::{Arrivals, Brake, Command, Common, Robot};
+use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot};
+use crate::http::condition::Condition;
+use crate::http::failure::{self, Failure};
+use crate::program::config::Config;
 use crate::store::{Change, Keeper, Posterior, Record, StopKeeper, StoredRobot};
 pub(crate) use keeping::Stops;
 use keeping::Unkept;

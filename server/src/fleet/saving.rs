@@ -4,7 +4,7 @@
 //! by how much that is ([`Saved::is_news_after`](umwelt_core::controller::Saved::is_news_after)), and seldom.
 
 use super::{Fleet, Inner};
-use crate::robot::Snapshot;
+use crate::fleet::robot::Snapshot;
 use crate::store::Change;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};

@@ -8,8 +8,8 @@
 //! before it is acknowledged.
 
 use super::{Fleet, to_the_end};
-use crate::failure::Failure;
-use crate::robot::{Arrival, Command, Robot};
+use crate::fleet::robot::{Arrival, Command, Robot};
+use crate::http::failure::Failure;
 use futures_util::future::join_all;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

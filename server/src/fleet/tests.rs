@@ -1,7 +1,7 @@
 use super::*;
-use crate::feed::Feed;
-use crate::priors::Priors;
-use crate::robot::Workers;
+use crate::fleet::feed::Feed;
+use crate::fleet::robot::Workers;
+use crate::library::priors::Priors;
 use crate::store::MemoryStore;
 use std::time::Duration;
 use umwelt_api::problem::reason;

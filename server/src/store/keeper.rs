@@ -1,7 +1,7 @@
 //! The way to the store for the async part of the server: calls off its threads, and whether the store works.
 
 use super::{Change, Contents, JobId, Part, Store, StoreError};
-use crate::failure::{self, Failure};
+use crate::http::failure::{self, Failure};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;

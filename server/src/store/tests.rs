@@ -1,10 +1,10 @@
 //! The rules of a store, held against both of them: what one does differently is found here.
 
 use super::*;
-use umwelt_core::settings::{Prior, Settings};
-use umwelt_core::task::Task;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::geometry::Point;
+use umwelt_core::settings::{Prior, Settings};
+use umwelt_core::task::Task;
 
 /// The store under test with what it needs as long as it lives.
 fn stores() -> Vec<(&'static str, Box<dyn Store>, Option<tempfile::TempDir>)> {

@@ -5,8 +5,8 @@
 //! it that the store does not hold, and nothing is acknowledged that an older word in it would take back.
 
 use super::{Fleet, Inner, to_the_end};
-use crate::failure::Failure;
-use crate::robot::{Arrival, Robot};
+use crate::fleet::robot::{Arrival, Robot};
+use crate::http::failure::Failure;
 use crate::store::{Change, Entry, Record, StopKeeper, Word, Words};
 use std::collections::BTreeMap;
 use std::sync::{Arc, MutexGuard, PoisonError, Weak};
@@ -303,7 +303,7 @@ impl Fleet {
     async fn commit_as_they_are(&self, robots: &[Arc<Robot>]) -> Result<(), Failure> {
         let there: Vec<_> = robots.iter().filter(|robot| !robot.snapshot().is_removed()).collect();
         let orders: Vec<_> = there.iter().map(|robot| robot.brake().order()).collect();
-        let change = |(robot, order): (&&Arc<Robot>, &crate::robot::StopOrder)| {
+        let change = |(robot, order): (&&Arc<Robot>, &crate::fleet::robot::StopOrder)| {
             let record = robot.snapshot().record(order.is_stopped());
             Change::PutRobot(robot.id().clone(), Box::new(record))
         };

@@ -2,11 +2,11 @@
 //! dies, over arbitrary interleavings.
 
 use super::*;
-use crate::condition::Condition;
-use crate::config::Config;
-use crate::feed::Feed;
-use crate::priors::Priors;
-use crate::robot::{Common, Workers};
+use crate::fleet::feed::Feed;
+use crate::fleet::robot::{Common, Workers};
+use crate::http::condition::Condition;
+use crate::library::priors::Priors;
+use crate::program::config::Config;
 use crate::store::{Contents, JobId, Keeper, MemoryStore, Part, Store, StoreError, stop_journal};
 use proptest::prelude::*;
 use std::path::Path;
