@@ -28,6 +28,7 @@ mod jobs;
 mod lab;
 mod library;
 pub mod program;
+mod resource;
 pub mod store;
 
 pub use http::guard::{HostName, Origin, read_token};

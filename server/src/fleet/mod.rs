@@ -11,9 +11,10 @@ mod saving;
 mod stop;
 
 use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot};
-use crate::http::condition::Condition;
-use crate::http::failure::{self, Failure};
 use crate::program::config::Config;
+use crate::resource::change::{Put, to_the_end};
+use crate::resource::condition::Condition;
+use crate::resource::failure::{self, Failure};
 use crate::store::{Change, Keeper, Posterior, Record, StopKeeper, StoredRobot};
 pub(crate) use keeping::Stops;
 use keeping::Unkept;
@@ -27,15 +28,6 @@ use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 use umwelt_core::task::Task;
-
-/// What a PUT did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Put {
-    /// There was nothing before.
-    Created,
-    /// It took the place of another.
-    Replaced,
-}
 
 /// All robots; cheap to clone.
 #[derive(Clone)]
@@ -319,13 +311,6 @@ impl Fleet {
         }));
         self.0.keeper.commit(changes).await
     }
-}
-
-/// Runs a change to its end even if the caller goes away: half a change would part the robot from the store.
-pub(crate) async fn to_the_end<T: Send + 'static>(
-    change: impl Future<Output = Result<T, Failure>> + Send + 'static,
-) -> Result<T, Failure> {
-    tokio::spawn(change).await.unwrap_or_else(|error| Err(failure::broken(&error)))
 }
 
 #[cfg(test)]

@@ -1,18 +1,10 @@
-//! Under which condition a resource may be written: `If-Match` and `If-None-Match: *`.
+//! The condition that a request sets, as its headers have it: `If-Match` and `If-None-Match: *`.
 
-use crate::http::failure::Failure;
+use crate::resource::condition::Condition;
+use crate::resource::failure::Failure;
 use axum::extract::FromRequestParts;
-use axum::http::{HeaderMap, HeaderName, StatusCode, header, request::Parts};
+use axum::http::{HeaderMap, HeaderName, header, request::Parts};
 use umwelt_api::problem::{Detail, Status, reason};
-
-/// What must hold of the resource before it is written.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Condition {
-    /// It has one of these versions; `*` is any.
-    versions: Option<Vec<String>>,
-    /// There is none yet.
-    absent: bool,
-}
 
 impl Condition {
     /// The condition that a request's headers set.
@@ -29,32 +21,6 @@ impl Condition {
             }
         };
         Ok(Self { versions, absent })
-    }
-
-    /// Whether it holds of a resource whose version is `current`, none where there is no such resource.
-    pub(crate) fn check(&self, current: Option<&str>) -> Result<(), Failure> {
-        if self.absent && current.is_some() {
-            let remedy = "leave If-None-Match out to write over it";
-            return Err(Failure::new(Status::AlreadyExists, "it exists already")
-                .with(Detail::new(reason::ALREADY_THERE, "If-None-Match", "*", remedy))
-                .under(StatusCode::PRECONDITION_FAILED));
-        }
-        let Some(versions) = &self.versions else { return Ok(()) };
-        let is_met = current.is_some_and(|current| {
-            versions.iter().any(|version| version == "*" || version == current)
-        });
-        if is_met {
-            return Ok(());
-        }
-        let message = match current {
-            Some(current) => format!("its version is {current} now"),
-            None => "it does not exist".to_owned(),
-        };
-        let remedy = "get it, decide anew, and send its etag in If-Match";
-        let given = versions.join(", ");
-        let detail = Detail::new(reason::ETAG_MISMATCH, "If-Match", given, remedy);
-        let failure = Failure::new(Status::Aborted, message).with(detail);
-        Err(failure.under(StatusCode::PRECONDITION_FAILED))
     }
 }
 

@@ -1,7 +1,7 @@
 //! How long an answer may take: `grpc-timeout`, clamped, or the server's own.
 
 use crate::http::app::App;
-use crate::http::failure::Failure;
+use crate::resource::failure::Failure;
 use axum::extract::{Request, State};
 use axum::http::HeaderMap;
 use axum::middleware::Next;

@@ -3,9 +3,9 @@
 use crate::fleet::robot::Robot;
 use crate::http::app::App;
 use crate::http::budget::{Limits, Peer, Unread};
-use crate::http::failure::{self, Failure};
 use crate::http::routes::jobs::Resource;
 use crate::jobs::Job;
+use crate::resource::failure::{self, Failure};
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::{HeaderMap, StatusCode, header, request::Parts};
 use bytes::Bytes;
@@ -119,7 +119,7 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
                 let remedy = "send the whole body at once";
                 Err(Failure::new(Status::DeadlineExceeded, message)
                     .with(Detail::new(reason::BODY_TIMEOUT, "", (), remedy))
-                    .under(StatusCode::REQUEST_TIMEOUT))
+                    .under(StatusCode::REQUEST_TIMEOUT.as_u16()))
             }
         }
     }
@@ -144,7 +144,7 @@ fn too_large(limit: usize) -> Failure {
     let remedy = format!("send at most {limit} bytes");
     Failure::new(Status::InvalidArgument, "the body is too large")
         .with(Detail::new(reason::BODY_TOO_LARGE, "", (), remedy))
-        .under(StatusCode::PAYLOAD_TOO_LARGE)
+        .under(StatusCode::PAYLOAD_TOO_LARGE.as_u16())
 }
 
 /// A body is read as it comes: what is compressed is refused rather than taken for bad JSON.
@@ -160,7 +160,7 @@ fn expect_plain(headers: &HeaderMap) -> Result<(), Failure> {
         Detail::new(reason::UNSUPPORTED_ENCODING, "Content-Encoding", coding.trim(), remedy);
     Err(Failure::new(Status::InvalidArgument, "the body is compressed or encoded")
         .with(detail)
-        .under(StatusCode::UNSUPPORTED_MEDIA_TYPE))
+        .under(StatusCode::UNSUPPORTED_MEDIA_TYPE.as_u16()))
 }
 
 /// A body must say that it is JSON: then no web page of another origin can send it without asking.
@@ -174,5 +174,5 @@ fn expect_json(headers: &HeaderMap) -> Result<(), Failure> {
     let detail = Detail::new(reason::UNSUPPORTED_MEDIA_TYPE, "Content-Type", given, remedy);
     Err(Failure::new(Status::InvalidArgument, "the body is not declared as JSON")
         .with(detail)
-        .under(StatusCode::UNSUPPORTED_MEDIA_TYPE))
+        .under(StatusCode::UNSUPPORTED_MEDIA_TYPE.as_u16()))
 }

@@ -3,13 +3,11 @@
 pub(crate) mod answer;
 pub(crate) mod app;
 pub(crate) mod budget;
-pub(crate) mod condition;
+mod condition;
 pub(crate) mod connection;
 mod deadline;
 mod documents;
-pub(crate) mod etag;
 mod extract;
-pub(crate) mod failure;
 mod frames;
 pub(crate) mod guard;
 pub(crate) mod router;

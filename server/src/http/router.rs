@@ -2,12 +2,12 @@
 
 use crate::http::app::App;
 use crate::http::deadline;
-use crate::http::failure::{self, Failure};
 use crate::http::guard;
 use crate::http::routes::{
     comparisons, control, environment, environments, events, evolutions, jobs, priors, robots,
     server, tasks,
 };
+use crate::resource::failure::{self, Failure};
 use axum::Router;
 use axum::extract::Request;
 use axum::http::StatusCode;
@@ -103,7 +103,7 @@ async fn no_such_method(request: Request) -> Failure {
     let detail = Detail::new(reason::METHOD_NOT_ALLOWED, "", method, "use one that Allow names");
     Failure::new(Status::Unimplemented, format!("there is no {method} at this path"))
         .with(detail)
-        .under(StatusCode::METHOD_NOT_ALLOWED)
+        .under(StatusCode::METHOD_NOT_ALLOWED.as_u16())
 }
 
 fn panicked(panic: Box<dyn Any + Send>) -> Response {

@@ -4,8 +4,8 @@
 //! a robot a prior ([`Priors::giving`]) and changing priors ([`Priors::changing`]) exclude each other.
 
 use crate::fleet::Fleet;
-use crate::http::etag;
 use crate::library::catalogue::{self, Catalogue};
+use crate::resource::etag;
 use crate::store::{PriorSource, StoredPrior};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 //! Invariants: what is shown is kept; an evolution takes the environments as they are when it is submitted, so that
 //! they may change or go behind it.
 
-use crate::http::etag;
 use crate::library::catalogue::{self, Catalogue};
+use crate::resource::etag;
 use crate::store::StoredEnvironment;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -4,9 +4,10 @@
 //! The journal is read at the start, and its word about a robot counts before the store's. So nothing is taken out of
 //! it that the store does not hold, and nothing is acknowledged that an older word in it would take back.
 
-use super::{Fleet, Inner, to_the_end};
+use super::{Fleet, Inner};
 use crate::fleet::robot::{Arrival, Robot};
-use crate::http::failure::Failure;
+use crate::resource::change::to_the_end;
+use crate::resource::failure::Failure;
 use crate::store::{Change, Entry, Record, StopKeeper, Word, Words};
 use std::collections::BTreeMap;
 use std::sync::{Arc, MutexGuard, PoisonError, Weak};

@@ -4,9 +4,9 @@
 use super::*;
 use crate::fleet::feed::Feed;
 use crate::fleet::robot::{Common, Workers};
-use crate::http::condition::Condition;
 use crate::library::priors::Priors;
 use crate::program::config::Config;
+use crate::resource::condition::Condition;
 use crate::store::{Contents, JobId, Keeper, MemoryStore, Part, Store, StoreError, stop_journal};
 use proptest::prelude::*;
 use std::path::Path;

@@ -18,8 +18,8 @@ pub(crate) use stop_order::{Arrival, Arrivals, Overtaken, StopOrder};
 pub(crate) use workers::Workers;
 
 use crate::fleet::feed::{Feed, Ring};
-use crate::http::failure::{self, Failure};
 use crate::library::priors::Priors;
+use crate::resource::failure::{self, Failure};
 use crate::store::Record;
 use pilot::{Event, Pilot};
 use std::sync::Arc;

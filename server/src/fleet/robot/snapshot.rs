@@ -1,7 +1,7 @@
 //! What a robot shows of itself: replaced as a whole after each change, read by anybody at any time.
 
-use crate::http::etag;
 use crate::library::priors::Priors;
+use crate::resource::etag;
 use crate::store::{Posterior, Record};
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,6 +1,7 @@
 //! What a connection beyond the limit is still served: the stop, and whether the server is well.
 
-use crate::http::{failure, guard};
+use crate::http::guard;
+use crate::resource::failure;
 use axum::Router;
 use axum::extract::Request;
 use axum::http::{HeaderValue, Method, header};

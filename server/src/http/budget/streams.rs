@@ -2,7 +2,7 @@
 
 use super::ledger::{Ledger, Scope};
 use super::{Limits, Peer};
-use crate::http::failure::{self, Failure};
+use crate::resource::failure::{self, Failure};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Event streams that may be followed; cheap to clone.

@@ -6,9 +6,10 @@
 
 mod shelf;
 
-use crate::fleet::to_the_end;
-use crate::http::etag;
-use crate::http::failure::{self, Failure};
+use crate::http::answer;
+use crate::resource::change::to_the_end;
+use crate::resource::etag;
+use crate::resource::failure::{self, Failure};
 use crate::store::JobId;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -185,7 +186,7 @@ fn give_way() {
 impl Document {
     /// The answer to a request with these headers: not the document itself where they say that it is known.
     pub(crate) fn answer(&self, headers: &HeaderMap) -> Response {
-        let quoted = etag::quoted(&self.etag);
+        let quoted = answer::quoted(&self.etag);
         let mut response = if is_known(headers, &quoted) {
             StatusCode::NOT_MODIFIED.into_response()
         } else {

@@ -4,7 +4,7 @@
 //! origin. So a request must name a host that is known to be this server. Ports are not compared: a tunnel or a mapped
 //! port has another one, and no page can choose what its browser says.
 
-use crate::http::failure::Failure;
+use crate::resource::failure::Failure;
 use axum::http::{HeaderMap, Uri, header};
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};

@@ -20,8 +20,8 @@ pub use origin::Origin;
 pub use token::read_token;
 
 use crate::http::app::App;
-use crate::http::failure::Failure;
 use crate::program::config::Config;
+use crate::resource::failure::Failure;
 use axum::extract::{Request, State};
 use axum::http::{HeaderValue, Method, header};
 use axum::middleware::Next;

@@ -5,7 +5,7 @@
 //! they ask: also a stop is a change that nobody here has asked for.
 
 use super::host::{Authority, HostName};
-use crate::http::failure::Failure;
+use crate::resource::failure::Failure;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, header};
 use std::fmt;
 use std::str::FromStr;

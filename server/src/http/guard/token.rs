@@ -1,6 +1,6 @@
 //! The secret that a request must carry, and the file that holds it.
 
-use crate::http::failure::Failure;
+use crate::resource::failure::Failure;
 use axum::http::{HeaderMap, header};
 use std::fs::File;
 use std::io::Read;

@@ -1,15 +1,16 @@
 //! Comparisons: submitted, their trials, and what is theirs alone of what all jobs have.
 
 use super::jobs::{Made, Resource, figure as figure_of, idempotency_key, repeated, submitted};
-use crate::fleet::to_the_end;
+use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents::Name;
-use crate::http::etag;
 use crate::http::extract::{Body, Named};
-use crate::http::failure::{self, Failure, Result};
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use crate::lab::figures::comparison::svg;
 use crate::lab::{csv, report};
+use crate::resource::change::to_the_end;
+use crate::resource::etag;
+use crate::resource::failure::{self, Failure};
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse;

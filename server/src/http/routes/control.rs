@@ -2,9 +2,9 @@
 
 use crate::fleet::robot::Robot;
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::extract::{Body, Known};
-use crate::http::failure::Result;
 use axum::extract::State;
 use axum::http::StatusCode;
 use umwelt_api::step::{MAX_BODY, Request};

@@ -2,8 +2,8 @@
 
 use crate::fleet::robot::Command;
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::extract::Known;
-use crate::http::failure::Result;
 use axum::http::StatusCode;
 
 pub(crate) async fn get(Known(robot): Known) -> Result {

@@ -2,13 +2,14 @@
 
 use super::page::{self, Query};
 use super::robots::code;
-use crate::fleet::{Put, to_the_end};
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::condition::Condition;
 use crate::http::extract::{Body, Environment};
-use crate::http::failure::{self, Failure, Result};
 use crate::library::training::{MAX_ENVIRONMENTS, Named};
+use crate::resource::change::{Put, to_the_end};
+use crate::resource::condition::Condition;
+use crate::resource::failure::{self, Failure};
 use crate::store::Change;
 use axum::extract::State;
 use axum::http::StatusCode;

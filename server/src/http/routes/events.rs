@@ -1,10 +1,11 @@
 //! What happens, as server-sent events.
 
 use crate::fleet::feed::{BATCH, Entry, Follower, Ring};
+use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::budget::{Peer, Stream};
 use crate::http::extract::Known;
-use crate::http::failure::{Failure, Result};
+use crate::resource::failure::Failure;
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::{HeaderMap, header};

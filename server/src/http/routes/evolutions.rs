@@ -4,15 +4,16 @@ use super::jobs::{
     Made, Resource, figure as figure_of, idempotency_key, parts, repeated, submitted,
 };
 use super::page::{self, Query};
-use crate::fleet::to_the_end;
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::etag;
 use crate::http::extract::{Body, Named};
-use crate::http::failure::{Failure, Result};
 use crate::jobs::evolution::claim;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use crate::lab::figures::evolution::{Figure, svg};
+use crate::resource::change::to_the_end;
+use crate::resource::etag;
+use crate::resource::failure::Failure;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse;

@@ -1,7 +1,7 @@
 //! Which part of a list to show: the query, every part of it checked at once.
 
 use super::jobs::Resource;
-use crate::http::failure::Failure;
+use crate::resource::failure::Failure;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;

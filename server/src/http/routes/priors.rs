@@ -2,14 +2,15 @@
 
 use super::page::{self, Query};
 use super::robots::code;
-use crate::fleet::{Put, to_the_end};
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::condition::Condition;
 use crate::http::extract::{Body, Prior};
-use crate::http::failure::{self, Failure, Result};
 use crate::jobs::evolution::claimant;
 use crate::library::priors::{MAX_PRIORS, Named, Users};
+use crate::resource::change::{Put, to_the_end};
+use crate::resource::condition::Condition;
+use crate::resource::failure::{self, Failure};
 use crate::store::Change;
 use axum::extract::State;
 use axum::http::StatusCode;

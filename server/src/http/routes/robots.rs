@@ -1,12 +1,12 @@
 //! Robots: described, shown, listed, removed.
 
 use super::page::{Query, Robots};
-use crate::fleet::{Put, to_the_end};
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::condition::Condition;
 use crate::http::extract::{Body, Id, Known};
-use crate::http::failure::Result;
+use crate::resource::change::{Put, to_the_end};
+use crate::resource::condition::Condition;
 use axum::extract::State;
 use axum::http::StatusCode;
 use tokio::time::Instant;

@@ -1,8 +1,9 @@
 //! The server itself: alive, ready, and the contract.
 
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::failure::{Result, draining};
+use crate::resource::failure::draining;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};

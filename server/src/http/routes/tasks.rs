@@ -3,10 +3,11 @@
 use super::robots::code;
 use crate::fleet::robot::Robot;
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::condition::Condition;
 use crate::http::extract::{Body, Known};
-use crate::http::failure::{Result, no_task};
+use crate::resource::condition::Condition;
+use crate::resource::failure::no_task;
 use axum::extract::State;
 use axum::http::StatusCode;
 use umwelt_api::task::{self, Spec};

@@ -2,9 +2,9 @@
 //!
 //! Invariant: no two evolutions that have not ended give their champions the same name, and none that of a prior.
 
-use crate::http::failure::{self, Failure};
 use crate::jobs::{Gift, Jobs, Record};
 use crate::library::priors::{Named, Priors};
+use crate::resource::failure::{self, Failure};
 use crate::store::{Change, JobId};
 use umwelt_api::prior::Source;
 use umwelt_api::problem::{Detail, Status, reason};

@@ -5,10 +5,10 @@
 //! it was.
 
 use super::Resource;
+use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::budget::{Peer, Stream};
 use crate::http::extract::Named;
-use crate::http::failure::Result;
 use crate::http::routes::events::{KEEP_ALIVE, last_event_id};
 use crate::jobs::{Job, Shown};
 use axum::extract::State;

@@ -5,14 +5,15 @@ mod events;
 pub(crate) use events::events;
 
 use super::page::{self, Query};
-use crate::fleet::to_the_end;
 use crate::http::answer;
+use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents::Name;
-use crate::http::etag;
 use crate::http::extract::Named;
-use crate::http::failure::{self, Failure, Result};
 use crate::jobs::{Job, Jobs, Shown, Submitting, Work, read_part};
+use crate::resource::change::to_the_end;
+use crate::resource::etag;
+use crate::resource::failure::{self, Failure};
 use crate::store::{JobId, Part};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};

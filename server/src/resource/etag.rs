@@ -16,11 +16,6 @@ pub(crate) fn of_bytes(bytes: &[u8]) -> Arc<str> {
     format!("{:016x}", fnv_1a(bytes)).into()
 }
 
-/// The form of a version in an `ETag` header.
-pub(crate) fn quoted(etag: &str) -> String {
-    format!("\"{etag}\"")
-}
-
 /// FNV-1a, 64 bits: stable across releases, unlike the standard library's hashes.
 pub(crate) fn fnv_1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {

@@ -1,22 +1,13 @@
-//! Everything that goes wrong, as a response: one body for all, and the headers that go with it.
+//! Everything that goes wrong with a resource, whoever asked for it: one type from the store up to the answer.
 
-use crate::http::answer;
-use crate::store::StoreError;
-use axum::http::{HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
-use umwelt_api::problem::{Detail, ErrorBody, Problem, Problems, Status, reason};
+use umwelt_api::problem::{Detail, Problem, Problems, Status, reason};
 use umwelt_api::{InvalidId, RobotId};
 
-/// Seconds to wait before asking again, where waiting helps.
-const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");
+/// The contract's code where a resource is not as the one who writes it wants it to be.
+pub(crate) const PRECONDITION_FAILED: u16 = 412;
 
-/// How to say who asks.
-const BEARER: HeaderValue = HeaderValue::from_static("Bearer");
-
-/// What a route returns.
-pub(crate) type Result<T = Response, E = Failure> = std::result::Result<T, E>;
-
-/// A problem on its way out. The HTTP status is the problem's own, but where HTTP has a better one.
+/// What went wrong, as the contract says it: the problem, and its code, which is that of the problem's status but where
+/// the contract has a better one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Failure {
     problem: Problem,
@@ -45,10 +36,15 @@ impl Failure {
         is_of_store && self.problem.status == Status::Internal
     }
 
-    /// The same under another HTTP status.
-    pub(crate) fn under(mut self, code: StatusCode) -> Self {
-        self.code = code.as_u16();
+    /// The same under another code.
+    pub(crate) fn under(mut self, code: u16) -> Self {
+        self.code = code;
         self
+    }
+
+    /// The problem, and the code that the contract has for it.
+    pub(crate) fn into_parts(self) -> (Problem, u16) {
+        (self.problem, self.code)
     }
 }
 
@@ -68,36 +64,6 @@ impl From<Problems> for Failure {
 impl From<InvalidId> for Failure {
     fn from(invalid: InvalidId) -> Self {
         Problems::from(invalid).into()
-    }
-}
-
-impl From<StoreError> for Failure {
-    fn from(error: StoreError) -> Self {
-        let status = match error {
-            StoreError::Unavailable(_) => Status::Unavailable,
-            StoreError::Damaged(_) => Status::DataLoss,
-            StoreError::Rejected(_) => Status::Internal,
-        };
-        let remedy = "nothing was changed; robots that drive go on driving";
-        Self::new(status, error.to_string()).with(Detail::new(reason::STORE_FAILED, "", (), remedy))
-    }
-}
-
-impl IntoResponse for Failure {
-    fn into_response(self) -> Response {
-        let Self { problem, code } = self;
-        let status = problem.status;
-        let mut body = ErrorBody::from(problem);
-        body.error.code = code;
-        let code = StatusCode::from_u16(code).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let mut response = answer::json(code, &body);
-        if matches!(status, Status::ResourceExhausted | Status::Unavailable) {
-            response.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER);
-        }
-        if status == Status::Unauthenticated {
-            response.headers_mut().insert(header::WWW_AUTHENTICATE, BEARER);
-        }
-        response
     }
 }
 
