@@ -11,7 +11,6 @@ mod saving;
 mod stop;
 
 use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot};
-use crate::program::config::Config;
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::resource::failure::{self, Failure};
@@ -23,6 +22,7 @@ use std::collections::BTreeMap;
 use std::ops::Bound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
+use std::time::Duration;
 use tokio::sync::{Mutex, Notify};
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
@@ -60,7 +60,8 @@ struct Inner {
 impl Fleet {
     /// The robots that the store keeps; what they learn is kept from now on as long as the fleet is there.
     pub(crate) fn open(
-        config: &Config,
+        max_robots: usize,
+        save_every: Duration,
         keeper: Keeper,
         common: Common,
         robots: Vec<StoredRobot>,
@@ -81,14 +82,14 @@ impl Fleet {
             behind: Arc::default(),
             revision: AtomicU64::new(revision.unwrap_or(0)),
             common,
-            max_robots: config.max_robots,
+            max_robots,
             draining: AtomicBool::new(false),
         }));
         for StoredRobot { id, mut record, saved } in robots {
             stops.merge(&id, &mut record);
             fleet.insert(id, record, saved, None);
         }
-        saving::start(&fleet, config.save_every);
+        saving::start(&fleet, save_every);
         keeping::start(&fleet);
         fleet
     }

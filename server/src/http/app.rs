@@ -2,14 +2,15 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::feed::Feed;
-use crate::http::budget::{Bodies, Limits, Streams};
+use crate::http::budget::{Bodies, Streams};
+use crate::http::deadline::Deadlines;
 use crate::http::documents::Documents;
 use crate::jobs::Jobs;
 use crate::library::priors::Priors;
 use crate::library::training::Environments;
-use crate::program::config::Config;
 use crate::store::Keeper;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::sync::watch;
 use umwelt_core::comparison::Comparison;
 use umwelt_core::evolution::Evolution;
@@ -17,7 +18,6 @@ use umwelt_core::evolution::Evolution;
 /// What every route can reach; cheap to clone.
 #[derive(Clone)]
 pub(crate) struct App {
-    pub(crate) config: Arc<Config>,
     pub(crate) keeper: Keeper,
     pub(crate) fleet: Fleet,
     pub(crate) feed: Feed,
@@ -31,45 +31,10 @@ pub(crate) struct App {
     pub(crate) documents: Documents,
     /// Bytes of bodies in flight.
     pub(crate) bodies: Bodies,
+    /// Time for a body to arrive in full.
+    pub(crate) body_timeout: Duration,
+    /// How long answers may take.
+    pub(crate) deadlines: Deadlines,
     /// Set when event streams are to end, since they would outlast any shutdown.
     pub(crate) closing: Arc<watch::Sender<bool>>,
-}
-
-/// What an [`App`] is made of.
-pub(crate) struct Parts {
-    pub(crate) config: Config,
-    pub(crate) keeper: Keeper,
-    pub(crate) fleet: Fleet,
-    pub(crate) feed: Feed,
-    pub(crate) priors: Priors,
-    pub(crate) environments: Environments,
-    pub(crate) evolutions: Jobs<Evolution>,
-    pub(crate) comparisons: Jobs<Comparison>,
-}
-
-impl App {
-    pub(crate) fn new(parts: Parts) -> Self {
-        let Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons } =
-            parts;
-        Self {
-            streams: Streams::new(Limits {
-                overall: config.max_event_streams,
-                per_peer: config.max_event_streams_per_peer,
-            }),
-            documents: Documents::new(config.keep_documents),
-            bodies: Bodies::new(Limits {
-                overall: config.max_bodies,
-                per_peer: config.max_bodies_per_peer,
-            }),
-            closing: Arc::default(),
-            config: Arc::new(config),
-            keeper,
-            fleet,
-            feed,
-            priors,
-            environments,
-            evolutions,
-            comparisons,
-        }
-    }
 }

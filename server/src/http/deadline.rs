@@ -1,6 +1,5 @@
 //! How long an answer may take: `grpc-timeout`, clamped, or the server's own.
 
-use crate::http::app::App;
 use crate::resource::failure::Failure;
 use axum::extract::{Request, State};
 use axum::http::HeaderMap;
@@ -11,10 +10,23 @@ use umwelt_api::problem::{Detail, Problems, Status, reason};
 
 const HEADER: &str = "grpc-timeout";
 
+/// How long answers may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Deadlines {
+    /// Where the request does not say.
+    pub(crate) usual: Duration,
+    /// Whatever it says.
+    pub(crate) longest: Duration,
+}
+
 /// Answers DEADLINE_EXCEEDED where the route does not answer in time. A stream need only begin in time.
-pub(crate) async fn keep(State(app): State<App>, request: Request, next: Next) -> Response {
+pub(crate) async fn keep(
+    State(Deadlines { usual, longest }): State<Deadlines>,
+    request: Request,
+    next: Next,
+) -> Response {
     let deadline = match read(request.headers()) {
-        Ok(asked) => asked.unwrap_or(app.config.deadline).min(app.config.max_deadline),
+        Ok(asked) => asked.unwrap_or(usual).min(longest),
         Err(problems) => return Failure::from(problems).into_response(),
     };
     match tokio::time::timeout(deadline, next.run(request)).await {

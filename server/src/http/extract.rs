@@ -105,7 +105,7 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
         }
         let peer = parts.extensions.get().copied().unwrap_or(Peer::IN_PROCESS);
         let read = app.bodies.read(peer, body, LIMIT);
-        let timeout = app.config.body_timeout;
+        let timeout = app.body_timeout;
         match tokio::time::timeout(timeout, read).await {
             Ok(Ok(bytes)) => Ok(Self(bytes)),
             Ok(Err(Unread::TooLarge)) => Err(too_large(LIMIT)),

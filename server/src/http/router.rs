@@ -15,6 +15,7 @@ use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post, put};
 use std::any::Any;
+use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::trace::TraceLayer;
 use umwelt_api::problem::{Detail, Status, reason};
@@ -22,11 +23,11 @@ use umwelt_core::comparison::Comparison;
 use umwelt_core::evolution::Evolution;
 
 /// The routes of `app`, and before them who may ask.
-pub(crate) fn router(app: App) -> Router {
+pub(crate) fn router(app: App, rules: guard::Rules) -> Router {
     // Around all the routes, since only there answers have their `Allow`.
     Router::new()
-        .fallback_service(routes(app.clone()))
-        .layer(middleware::from_fn_with_state(app, guard::check))
+        .fallback_service(routes(app))
+        .layer(middleware::from_fn_with_state(Arc::new(rules), guard::check))
         .layer(TraceLayer::new_for_http())
 }
 
@@ -86,7 +87,7 @@ fn routes(app: App) -> Router {
         // Everything else
         .fallback(no_such_path)
         .method_not_allowed_fallback(no_such_method)
-        .layer(middleware::from_fn_with_state(app.clone(), deadline::keep))
+        .layer(middleware::from_fn_with_state(app.deadlines, deadline::keep))
         .layer(CatchPanicLayer::custom(panicked))
         .with_state(app)
 }

@@ -1,11 +1,15 @@
-//! The server: binds, accepts, and shuts down without leaving a robot in motion.
+//! The server: put together, bound, and shut down without leaving a robot in motion.
 
 use crate::fleet::feed::Feed;
 use crate::fleet::robot::{Common, Workers};
 use crate::fleet::{Fleet, Stops};
-use crate::http::app::{App, Parts};
-use crate::http::budget::{self, Connections, Limits as Budget, Peer, Place};
-use crate::http::connection::{self, Times};
+use crate::http::app::App;
+use crate::http::budget::{self, Bodies, Limits as Budget, Streams};
+use crate::http::connection::Times;
+use crate::http::deadline::Deadlines;
+use crate::http::documents::Documents;
+use crate::http::door::{self, Door};
+use crate::http::guard::Rules;
 use crate::http::router::router;
 use crate::jobs::{Jobs, Limits, Pool};
 use crate::library::priors::Priors;
@@ -14,31 +18,16 @@ use crate::program::config::Config;
 use crate::program::memory;
 use crate::store::{Keeper, MemoryStore, SqliteStore, StopKeeper, Store, stop_journal};
 use axum::Router;
-use hyper_util::rt::TokioExecutor;
-use hyper_util::server::conn::auto::Builder;
-use hyper_util::server::graceful::GracefulShutdown;
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpListener;
 use tokio::time::{Instant, timeout_at};
-
-/// Beyond the limit the longest idle connection gives way to a new one, if it has been idle for this long: an agent sends
-/// a request every 30 ms.
-const IDLE: Duration = Duration::from_secs(1);
-
-/// The part of the reserved connections that one peer may have.
-const RESERVED_SHARE: usize = 4;
-
-/// How much longer than an answer may take a reserved connection lives.
-const RESERVED_MARGIN: Duration = Duration::from_secs(1);
-
-/// Pause after the system had no more connections to give: it will not have one at once.
-const OUT_OF_SOCKETS: Duration = Duration::from_millis(100);
 
 /// A server that is bound to its address.
 pub struct Server {
+    config: Config,
     app: App,
     router: Router,
     listener: TcpListener,
@@ -76,7 +65,7 @@ impl Server {
 
     async fn with(config: Config, store: Arc<dyn Store>, stops: Stops) -> io::Result<Self> {
         config.check().map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
-        budget::allow_files(&config);
+        budget::allow_files(config.max_connections.saturating_add(config.reserved_connections));
         let keeper = Keeper::new(store);
         let contents = keeper.load().await.map_err(io::Error::other)?;
         // A full disk is no reason not to serve, and one to say so at once.
@@ -100,11 +89,32 @@ impl Server {
         let lost_after = config.lost_after;
         let workers = Workers::start()?;
         let common = Common { lost_after, feed: feed.clone(), priors: priors.clone(), workers };
-        let fleet = Fleet::open(&config, keeper.clone(), common, contents.robots, stops);
-        let parts =
-            Parts { config, keeper, fleet, feed, priors, environments, evolutions, comparisons };
-        let app = App::new(parts);
-        Ok(Self { router: router(app.clone()), app, listener, address })
+        let (max_robots, save_every) = (config.max_robots, config.save_every);
+        let robots = contents.robots;
+        let fleet = Fleet::open(max_robots, save_every, keeper.clone(), common, robots, stops);
+        let app = App {
+            keeper,
+            fleet,
+            feed,
+            priors,
+            environments,
+            evolutions,
+            comparisons,
+            streams: Streams::new(Budget {
+                overall: config.max_event_streams,
+                per_peer: config.max_event_streams_per_peer,
+            }),
+            documents: Documents::new(config.keep_documents),
+            bodies: Bodies::new(Budget {
+                overall: config.max_bodies,
+                per_peer: config.max_bodies_per_peer,
+            }),
+            body_timeout: config.body_timeout,
+            deadlines: Deadlines { usual: config.deadline, longest: config.max_deadline },
+            closing: Arc::default(),
+        };
+        let router = router(app.clone(), rules(&config));
+        Ok(Self { config, app, router, listener, address })
     }
 
     /// Where it listens, the port filled in.
@@ -124,8 +134,8 @@ impl Server {
     /// # Errors
     /// None so far; a server that cannot go on will say why.
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> io::Result<()> {
-        let Self { app, router, listener, .. } = self;
-        let door = Door::new(&app.config, router);
+        let Self { config, app, router, listener, .. } = self;
+        let door = Door::new(connections(&config), router);
         let tidying = tokio::spawn(memory::give_back_what_is_free());
         tokio::select! {
             () = door.accept(&listener) => {}
@@ -138,24 +148,24 @@ impl Server {
         app.comparisons.close();
         tokio::select! {
             () = door.accept(&listener) => {}
-            drained = tokio::time::timeout(app.config.drain, app.fleet.drain()) => {
+            drained = tokio::time::timeout(config.drain, app.fleet.drain()) => {
                 if drained.is_err() {
                     tracing::warn!("not every robot has fetched a stopping horizon; they stop by themselves");
                 }
             }
         }
         // One limit for all that is left, so that the whole takes no longer than it says.
-        let end = Instant::now() + app.config.close;
+        let end = Instant::now() + config.close;
         // The last they learned; steps that are still answered teach no more than the watchdog lasts.
         let saving = async { tokio::join!(app.fleet.save(), app.fleet.catch_up()) };
-        if timeout_at(end - app.config.close / 2, saving).await.is_err() {
+        if timeout_at(end - config.close / 2, saving).await.is_err() {
             tracing::warn!(
                 "the store does not answer: the last that the robots learned is not kept"
             );
         }
         drop(listener);
         app.closing.send_replace(true);
-        if timeout_at(end, door.graceful.shutdown()).await.is_err() {
+        if timeout_at(end, door.close()).await.is_err() {
             tracing::warn!("some connections did not end in time");
         }
         let jobs = async { tokio::join!(app.evolutions.closed(), app.comparisons.closed()) };
@@ -166,6 +176,31 @@ impl Server {
             tracing::warn!("the store does not answer; what it has acknowledged is kept");
         }
         Ok(())
+    }
+}
+
+/// Whom the guard lets through.
+fn rules(config: &Config) -> Rules {
+    Rules {
+        listen: config.listen.ip(),
+        hosts: config.allow_hosts.clone(),
+        origins: config.cors_origins.clone(),
+        token: config.token.clone(),
+    }
+}
+
+/// What is set about connections.
+fn connections(config: &Config) -> door::Settings {
+    door::Settings {
+        connections: Budget {
+            overall: config.max_connections,
+            per_peer: config.max_connections_per_peer,
+        },
+        reserved: config.reserved_connections,
+        times: Times { first_request: config.header_timeout, idle: config.idle_timeout },
+        max_streams: config.max_streams_per_connection,
+        control_frames_per_s: config.max_control_frames_per_s,
+        deadline: config.deadline,
     }
 }
 
@@ -185,80 +220,4 @@ fn warn_of_exposure(config: &Config, listen: SocketAddr) {
             "insecure, as --allow-insecure says: everybody who reaches this address can drive every robot"
         );
     }
-}
-
-/// Lets connections in.
-struct Door {
-    router: Router,
-    reserved_router: Router,
-    builder: Arc<Builder<TokioExecutor>>,
-    graceful: GracefulShutdown,
-    connections: Connections,
-    reserved: Connections,
-    reserved_lifetime: Duration,
-    times: Times,
-    control_frames_per_s: u32,
-}
-
-impl Door {
-    fn new(config: &Config, router: Router) -> Self {
-        let (overall, reserved) = (config.max_connections, config.reserved_connections);
-        let limits = Budget { overall, per_peer: config.max_connections_per_peer };
-        let reserve = Budget { overall: reserved, per_peer: reserved.div_ceil(RESERVED_SHARE) };
-        Self {
-            reserved_router: budget::reserved(router.clone(), overall),
-            router,
-            builder: Arc::new(connection::builder(config)),
-            graceful: GracefulShutdown::new(),
-            connections: Connections::new(limits, IDLE),
-            reserved: Connections::new(reserve, Duration::ZERO),
-            reserved_lifetime: config.deadline + RESERVED_MARGIN,
-            times: Times::of(config),
-            control_frames_per_s: config.max_control_frames_per_s,
-        }
-    }
-
-    /// Accepts connections for ever.
-    async fn accept(&self, listener: &TcpListener) {
-        loop {
-            match listener.accept().await {
-                Ok((stream, address)) => self.admit(stream, Peer::of(address.ip())),
-                Err(error) if is_of_connection(&error) => {}
-                Err(error) => {
-                    tracing::error!(%error, "no connection can be accepted");
-                    tokio::time::sleep(OUT_OF_SOCKETS).await;
-                }
-            }
-        }
-    }
-
-    /// Serves the connection; beyond the limits what places are reserved for, and beyond those nothing: it is closed
-    /// without a word.
-    fn admit(&self, stream: TcpStream, peer: Peer) {
-        if let Some(place) = self.connections.admit(peer) {
-            self.serve(stream, place, &self.router, Duration::MAX);
-        } else if let Some(place) = self.reserved.admit(peer) {
-            self.serve(stream, place, &self.reserved_router, self.reserved_lifetime);
-        }
-    }
-
-    fn serve(&self, stream: TcpStream, place: Place, router: &Router, lifetime: Duration) {
-        let (router, builder) = (router.clone(), Arc::clone(&self.builder));
-        // Nobody is told that a connection is kept for longer than it is.
-        let times = Times { idle: self.times.idle.min(lifetime), ..self.times };
-        let watcher = self.graceful.watcher();
-        let frames = self.control_frames_per_s;
-        tokio::spawn(async move {
-            let connection =
-                connection::serve(stream, &place, router, builder, watcher, times, frames);
-            // Cut off where it lasts longer.
-            let _ = tokio::time::timeout(lifetime, connection).await;
-        });
-    }
-}
-
-/// Whether an error of `accept` concerns the one connection that was to be accepted.
-fn is_of_connection(error: &io::Error) -> bool {
-    use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
-    matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
 }

@@ -94,7 +94,8 @@ impl Life {
             let common = Common { lost_after: Duration::from_secs(2), feed, priors, workers };
             let robots = disk.load().unwrap().robots;
             let keeper = Keeper::new(disk.clone());
-            Fleet::open(&Config::default(), keeper, common, robots, stops)
+            let Config { max_robots, save_every, .. } = Config::default();
+            Fleet::open(max_robots, save_every, keeper, common, robots, stops)
         });
         Self { runtime, fleet, disk }
     }

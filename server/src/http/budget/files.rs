@@ -1,14 +1,12 @@
 //! Files that the process may have open: a connection is one.
 
-use crate::program::config::Config;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 /// What is open beside connections: the store with its log and locks, the runtime, standard streams, and some to spare.
 const OTHERS: u64 = 128;
 
-/// Lets the process open as many files as `config` allows connections, as far as the system does.
-pub(crate) fn allow_files(config: &Config) {
-    let connections = config.max_connections.saturating_add(config.reserved_connections);
+/// Lets the process open files for so many connections, as far as the system does.
+pub(crate) fn allow_files(connections: usize) {
     let needed = u64::try_from(connections).unwrap_or(u64::MAX).saturating_add(OTHERS);
     let limit = getrlimit(Resource::Nofile);
     let allowed = raised(limit, needed);

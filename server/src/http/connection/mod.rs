@@ -9,7 +9,6 @@ mod patience;
 
 use crate::http::budget::Place;
 use crate::http::frames::Metered;
-use crate::program::config::Config;
 use axum::Router;
 use axum::body::Body;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, Version, header};
@@ -63,15 +62,8 @@ pub(crate) struct Times {
     pub(crate) idle: Duration,
 }
 
-impl Times {
-    /// Those that are set.
-    pub(crate) fn of(config: &Config) -> Self {
-        Self { first_request: config.header_timeout, idle: config.idle_timeout }
-    }
-}
-
-/// The protocols and their limits.
-pub(crate) fn builder(config: &Config) -> Builder<TokioExecutor> {
+/// The protocols and their limits, of which `max_streams` is one: requests in flight on a connection of HTTP/2.
+pub(crate) fn builder(max_streams: u32) -> Builder<TokioExecutor> {
     let mut builder = Builder::new(TokioExecutor::new());
     builder
         .http1()
@@ -82,7 +74,7 @@ pub(crate) fn builder(config: &Config) -> Builder<TokioExecutor> {
     builder
         .http2()
         .timer(TokioTimer::new())
-        .max_concurrent_streams(config.max_streams_per_connection)
+        .max_concurrent_streams(max_streams)
         .initial_stream_window_size(STREAM_WINDOW)
         .initial_connection_window_size(CONNECTION_WINDOW)
         .max_send_buf_size(SEND_BUFFER)

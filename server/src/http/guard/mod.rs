@@ -19,23 +19,40 @@ pub use host::HostName;
 pub use origin::Origin;
 pub use token::read_token;
 
-use crate::http::app::App;
-use crate::program::config::Config;
 use crate::resource::failure::Failure;
 use axum::extract::{Request, State};
 use axum::http::{HeaderValue, Method, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use std::net::IpAddr;
+use std::sync::Arc;
+use umwelt_api::Token;
 
 /// The path that says whether the server lives: it is open without a token, since what restarts a dead server has none.
 const LIVENESS: &str = "/healthz";
 
+/// Whom the guard lets through.
+#[derive(Debug)]
+pub(crate) struct Rules {
+    /// The address that the server listens on.
+    pub(crate) listen: IpAddr,
+    /// Names by which it is called beside its address and `localhost`.
+    pub(crate) hosts: Vec<HostName>,
+    /// Whose pages may use it, beside its own.
+    pub(crate) origins: Vec<Origin>,
+    /// The secret that every request must carry, where there is one.
+    pub(crate) token: Option<Token>,
+}
+
 /// Lets a request through or refuses it; marks every answer.
-pub(crate) async fn check(State(app): State<App>, request: Request, next: Next) -> Response {
-    let config = &app.config;
-    let page = origin::allowed(&config.cors_origins, request.headers()).cloned();
+pub(crate) async fn check(
+    State(rules): State<Arc<Rules>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let page = origin::allowed(&rules.origins, request.headers()).cloned();
     let is_preflight = page.is_some() && cors::is_preflight(&request);
-    let mut response = match admit(config, &request, is_preflight) {
+    let mut response = match admit(&rules, &request, is_preflight) {
         Err(failure) => {
             tracing::debug!(reason = failure.message(), "request refused");
             failure.into_response()
@@ -45,20 +62,20 @@ pub(crate) async fn check(State(app): State<App>, request: Request, next: Next) 
     if is_preflight {
         response = cors::answer_preflight(response);
     }
-    if !config.cors_origins.is_empty() {
+    if !rules.origins.is_empty() {
         cors::mark(page, &mut response);
     }
     mark(&mut response);
     response
 }
 
-fn admit(config: &Config, request: &Request, is_preflight: bool) -> Result<(), Failure> {
+fn admit(rules: &Rules, request: &Request, is_preflight: bool) -> Result<(), Failure> {
     let (headers, method) = (request.headers(), request.method());
-    let own = host::check(config.listen.ip(), &config.allow_hosts, request.uri(), headers)?;
-    origin::check(&config.cors_origins, &own, method, headers)?;
+    let own = host::check(rules.listen, &rules.hosts, request.uri(), headers)?;
+    origin::check(&rules.origins, &own, method, headers)?;
     // A browser asks whether it may send a token before it sends it.
     let is_open = is_preflight || is_liveness(request);
-    if let Some(token) = config.token.as_ref().filter(|_| !is_open) {
+    if let Some(token) = rules.token.as_ref().filter(|_| !is_open) {
         token::check(token, headers)?;
     }
     origin::check_not_a_form(method, headers)
