@@ -10,7 +10,7 @@ pub(crate) mod robot;
 mod saving;
 mod stop;
 
-use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot};
+use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot, RobotChange, Snapshot};
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::resource::failure::{self, Failure};
@@ -172,21 +172,18 @@ impl Fleet {
         }
         robot.is_not_stuck()?;
         condition.check(Some(snapshot.etag()))?;
-        let revision = self.next_revision();
-        let record = Record { settings, prior: prior.clone(), revision, ..robot.record() };
+        let change = RobotChange::Settings { settings: settings.into(), prior: prior.clone() };
         if !robot.is_alive() {
             // Its task has died. Somebody describes it anew, so it may drive again; followers begin anew. What it
             // learned may be what it died of.
+            let record = change.kept(robot.record(), self.next_revision());
             self.keep(robot.id(), &record, None).await?;
             robot.ring().close();
             // A stop that comes meanwhile comes to the one brake.
             let brake = Some(Arc::clone(robot.brake()));
             return Ok(Some((self.insert(robot.id().clone(), record, None, brake), Put::Replaced)));
         }
-        let saved = snapshot.saved_after(|controller| controller.replace_settings(settings));
-        self.keep(robot.id(), &record, Some(saved)).await?;
-        let (prior, settings) = (record.prior, Box::new(settings));
-        robot.tell(Command::Replace { settings, prior, revision }).await?;
+        self.make(&robot, &snapshot, change).await?;
         Ok(Some((Arc::clone(&robot), Put::Replaced)))
     }
 
@@ -259,15 +256,21 @@ impl Fleet {
         if robot.is_alive() && task.as_ref().is_some_and(|task| snapshot.has_task(task)) {
             return Ok(true);
         }
-        let revision = self.next_revision();
-        let saved = snapshot.saved_after(|controller| match task.clone() {
-            Some(task) => controller.set_task(task),
-            None => controller.cancel_task(),
-        });
-        let record = Record { task: task.clone(), revision, ..robot.record() };
-        self.keep(robot.id(), &record, Some(saved)).await?;
-        robot.tell(Command::ChangeTask { task, revision }).await?;
+        self.make(robot, &snapshot, RobotChange::Task(task)).await?;
         Ok(snapshot.task_etag().is_some())
+    }
+
+    /// Keeps a change of a robot, and tells it then.
+    async fn make(
+        &self,
+        robot: &Robot,
+        snapshot: &Snapshot,
+        change: RobotChange,
+    ) -> Result<(), Failure> {
+        let revision = self.next_revision();
+        let record = change.kept(robot.record(), revision);
+        self.keep(robot.id(), &record, Some(snapshot.saved_after(&change))).await?;
+        robot.tell(Command::Change { change, revision }).await
     }
 
     /// Whether the server is shutting down.

@@ -1,29 +1,34 @@
 //! One robot: a tokio task that owns its controller, and the handle by which the rest of the server reaches it.
 
 mod brake;
+mod change;
 mod clock;
+mod command;
+mod common;
 mod pilot;
+mod refusal;
 mod saying;
 mod session;
+mod silence;
 mod snapshot;
 mod stop_order;
 mod vitals;
 mod workers;
 
 pub(crate) use brake::Brake;
-pub(crate) use pilot::Command;
-pub(crate) use session::Refusal;
+pub(crate) use change::RobotChange;
+pub(crate) use command::Command;
+pub(crate) use common::Common;
 pub(crate) use snapshot::Snapshot;
 pub(crate) use stop_order::{Arrival, Arrivals, Overtaken, StopOrder};
 pub(crate) use workers::Workers;
 
-use crate::fleet::feed::{Feed, Ring};
-use crate::library::priors::Priors;
+use crate::fleet::feed::Ring;
 use crate::resource::failure::{self, Failure};
 use crate::store::Record;
-use pilot::{Event, Pilot};
+use command::Event;
+use pilot::Pilot;
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{Mutex, MutexGuard, mpsc, oneshot, watch};
 use umwelt_api::RobotId;
@@ -35,19 +40,6 @@ use vitals::Vitals;
 
 /// Requests that may wait for a robot's task: all that an agent has in flight on its connections, and some more.
 const QUEUE: usize = 16;
-
-/// What the robots of a server have in common; cheap to clone.
-#[derive(Clone, Debug)]
-pub(crate) struct Common {
-    /// Silence after which one counts as lost.
-    pub(crate) lost_after: Duration,
-    /// Where they say what happens.
-    pub(crate) feed: Feed,
-    /// What the names of their priors mean.
-    pub(crate) priors: Priors,
-    /// Where they compute.
-    pub(crate) workers: Workers,
-}
 
 /// The handle of a robot's task.
 #[derive(Debug)]
@@ -76,7 +68,7 @@ impl Robot {
         let (robot, pilot, events) = Self::prepare(id, record, saved, brake, common);
         workers.spawn(Arc::clone(&robot.vitals), pilot::run(pilot, events));
         let (shown, queue) = (robot.snapshot.clone(), robot.queue.downgrade());
-        tokio::spawn(watch_silence(shown, queue, lost_after));
+        tokio::spawn(silence::watch(shown, queue, lost_after));
         robot
     }
 
@@ -282,68 +274,20 @@ impl Robot {
     }
 }
 
-/// Tells the robot's task where nothing has come from its agent for `lost_after`, until the robot is gone.
-async fn watch_silence(
-    mut shown: watch::Receiver<Arc<Snapshot>>,
-    queue: mpsc::WeakSender<Event>,
-    lost_after: Duration,
-) {
-    loop {
-        let silent = match shown.wait_for(|now| now.falls_silent(lost_after).is_some()).await {
-            Ok(now) => now.falls_silent(lost_after),
-            Err(_) => return,
-        };
-        let Some(silent) = silent else { continue };
-        tokio::time::sleep_until(silent).await;
-        let now = shown.borrow_and_update().falls_silent(lost_after);
-        if now.is_none_or(|now| now > silent) {
-            continue;
-        }
-        let Some(queue) = queue.upgrade() else { return };
-        // Its task decides; whatever it does then shows.
-        if queue.send(Event::Silence).await.is_err() {
-            return;
-        }
-        drop(queue);
-        if shown.changed().await.is_err() {
-            return;
-        }
-    }
-}
-
-impl From<Refusal> for Failure {
-    fn from(refusal: Refusal) -> Self {
-        match refusal {
-            Refusal::Superseded { epoch } => {
-                let remedy =
-                    "another agent drives this robot now: stop one of them; a restart takes over";
-                Self::new(Status::Aborted, "another agent has taken the robot over")
-                    .with(Detail::new(reason::EPOCH_SUPERSEDED, "epoch", epoch, remedy))
-            }
-            Refusal::ClockWentBack { sent, newest } => {
-                let message = format!("the robot's clock went back from {newest} s to {sent} s");
-                let remedy = "begin a new epoch when the clock restarts";
-                Self::new(Status::FailedPrecondition, message).with(Detail::new(
-                    reason::CLOCK_WENT_BACK,
-                    "sent_s",
-                    sent,
-                    remedy,
-                ))
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umwelt_core::exchange::Request;
+    use crate::fleet::feed::Feed;
+    use crate::library::priors::Priors;
+    use crate::store::Posterior;
+    use std::time::Duration;
     use umwelt_core::settings::Settings;
+    use umwelt_core::task::Task;
 
     impl Robot {
         /// Lets its task compute.
         pub(crate) fn compute(&self, computation: impl FnOnce() + Send + 'static) {
-            let command = Command::Compute(pilot::Computation(Box::new(computation)));
+            let command = Command::Compute(command::Computation(Box::new(computation)));
             let (done, _) = oneshot::channel();
             assert!(self.queue.try_send(Event::Command { command, done }).is_ok());
         }
@@ -406,5 +350,21 @@ mod tests {
         assert!(died(robot.tell(Command::Obey).await.unwrap_err()));
         assert_eq!(robot.snapshot().state(), umwelt_api::robot::State::Lost);
         robot.drained().await;
+    }
+    /// The bug to fear: a change that is kept as something else than what the robot makes of it.
+    #[tokio::test]
+    async fn what_is_kept_of_a_change_is_what_the_robot_makes_of_it() {
+        let robot = Robot::spawn("r".parse().unwrap(), record(), None, None, common());
+        robot.step(request(), 7).await.unwrap();
+        let drive = Settings { watchdog: 0.25, ..Settings::default() };
+        let described = RobotChange::Settings { settings: drive.into(), prior: None };
+        let changes = [RobotChange::Task(Some(Task::thesis())), described, RobotChange::Task(None)];
+        for (revision, change) in (2..).zip(changes) {
+            let (kept, record) =
+                (robot.snapshot().saved_after(&change), change.kept(robot.record(), revision));
+            robot.tell(Command::Change { change: change.clone(), revision }).await.unwrap();
+            assert_eq!(robot.snapshot().posterior(), Posterior { revision, saved: kept });
+            assert_eq!(robot.record(), record, "{change:?}");
+        }
     }
 }

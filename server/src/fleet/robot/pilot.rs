@@ -2,11 +2,15 @@
 //!
 //! [`run`] waits, [`Pilot::apply`] changes state; neither does the other's work.
 
-use super::Common;
 use super::brake::Brake;
+use super::change::RobotChange;
 use super::clock::RobotClock;
+#[cfg(test)]
+use super::command::Computation;
+use super::command::{Command, Event, StepResult};
+use super::common::Common;
 use super::saying::{kind, warn};
-use super::session::{Refusal, Session, Verdict};
+use super::session::{Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
 use super::stop_order::Arrival;
 use super::workers::{aside, end_of_turn};
@@ -15,7 +19,7 @@ use crate::store::Record;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
 use umwelt_api::RobotId;
 use umwelt_api::event::Kind;
@@ -33,51 +37,6 @@ const MOTION_EVERY: Duration = Duration::from_millis(100);
 
 /// The environment, and progress within a leg, are published at most this often: they change slowly.
 const LEARNED_EVERY: Duration = Duration::from_secs(1);
-
-/// The answer to a step.
-pub(crate) type StepResult = Result<Arc<Reply>, Refusal>;
-
-/// What may happen to a robot.
-#[derive(Debug)]
-pub(crate) enum Event {
-    /// Its agent sent a step.
-    Step { request: Box<Request>, epoch: u64, reply: oneshot::Sender<StepResult> },
-    /// Somebody told it something; `done` once it shows.
-    Command { command: Command, done: oneshot::Sender<()> },
-    /// It has been silent for too long.
-    Silence,
-}
-
-/// What a robot may be told.
-#[derive(Debug)]
-pub(crate) enum Command {
-    /// New settings; `prior` is the name of the prior in them.
-    Replace { settings: Box<Settings>, prior: Option<String>, revision: u64 },
-    /// A task in place of the one before, or none any more.
-    ChangeTask { task: Option<Task>, revision: u64 },
-    /// Look at the brake now: at the next step it looks anyway.
-    Obey,
-    /// Forget what was learned.
-    ResetEnvironment,
-    /// Rest: the server shuts down.
-    Drain,
-    /// End.
-    Remove,
-    /// Compute: as long as a bug in core would.
-    #[cfg(test)]
-    Compute(Computation),
-}
-
-/// What a test lets a robot compute.
-#[cfg(test)]
-pub(crate) struct Computation(pub(crate) Box<dyn FnOnce() + Send>);
-
-#[cfg(test)]
-impl std::fmt::Debug for Computation {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Computation")
-    }
-}
 
 /// One robot.
 pub(super) struct Pilot {
@@ -301,20 +260,14 @@ impl Pilot {
 
     fn obey(&mut self, command: Command) -> ControlFlow<()> {
         match command {
-            Command::Replace { settings, prior, revision } => {
-                self.controller.replace_settings(*settings);
-                self.shown.described = Described::new(*settings, prior, &self.common.priors);
-                self.shown.revision = revision;
-                self.publish(Kind::Registered);
-            }
-            Command::ChangeTask { task, revision } => {
-                self.shown.assigned = task.clone().map(Assigned::new);
-                self.shown.revision = revision;
-                match task {
-                    Some(task) => self.controller.set_task(task),
-                    None => self.controller.cancel_task(),
-                }
-                self.publish(Kind::Task(self.controller.progress().into()));
+            Command::Change { change, revision } => {
+                change.apply(&mut self.controller);
+                let said = match &change {
+                    RobotChange::Settings { .. } => Kind::Registered,
+                    RobotChange::Task(_) => Kind::Task(self.controller.progress().into()),
+                };
+                self.shown.change(change, revision, &self.common.priors);
+                self.publish(said);
             }
             // Before each event and after it, it looks.
             Command::Obey => {}

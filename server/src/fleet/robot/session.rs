@@ -2,6 +2,7 @@
 //!
 //! Pure: no clock, no channel. A verdict changes nothing; [`Session::answered`] does.
 
+use super::refusal::Refusal;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use umwelt_api::step::Reply;
@@ -30,23 +31,6 @@ pub(crate) enum Verdict {
     Repeat(Arc<Reply>),
     /// One that was overtaken by a newer one.
     Late,
-}
-
-/// Why a request is not answered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Refusal {
-    /// Another epoch has taken over.
-    Superseded {
-        /// The epoch of the request.
-        epoch: u64,
-    },
-    /// The robot's clock ran backwards within the epoch.
-    ClockWentBack {
-        /// When the request was sent, in robot time.
-        sent: f64,
-        /// When the newest one was.
-        newest: f64,
-    },
 }
 
 /// The epoch that holds.

@@ -1,5 +1,6 @@
 //! What a robot shows of itself: replaced as a whole after each change, read by anybody at any time.
 
+use super::change::RobotChange;
 use crate::library::priors::Priors;
 use crate::resource::etag;
 use crate::store::{Posterior, Record};
@@ -142,6 +143,17 @@ impl Snapshot {
         Self { state, ..self.clone() }
     }
 
+    /// Shows what the robot is or does after `change`, which is kept under `revision`.
+    pub(super) fn change(&mut self, change: RobotChange, revision: u64, priors: &Priors) {
+        match change {
+            RobotChange::Settings { settings, prior } => {
+                self.described = Described::new(*settings, prior, priors);
+            }
+            RobotChange::Task(task) => self.assigned = task.map(Assigned::new),
+        }
+        self.revision = revision;
+    }
+
     /// Shows what the watch finds.
     pub(super) fn watch(&mut self, found: Option<(Alarm, bool)>) {
         self.watch = found.map(|(alarm, rests)| {
@@ -225,12 +237,12 @@ impl Snapshot {
     }
 
     /// What would outlive a restart after `change`.
-    pub(crate) fn saved_after(&self, change: impl FnOnce(&mut Controller)) -> Saved {
+    pub(crate) fn saved_after(&self, change: &RobotChange) -> Saved {
         let settings = self.described.settings;
         let task = self.assigned.as_ref().map(|assigned| (*assigned.task).clone());
         let controller = Controller::restore(settings, task, self.stopped, self.saved.clone());
         let mut controller = controller.unwrap_or_else(|| Controller::new(settings));
-        change(&mut controller);
+        change.apply(&mut controller);
         controller.saved()
     }
 
