@@ -1,7 +1,10 @@
 //! The process: what its call asks for, from its start to its end.
 
 use super::arguments::{Arguments, Backup, Check, Serve, Task};
-use crate::{Server, offline, store};
+use crate::lab::offline;
+use crate::program::config::Config;
+use crate::program::serve::Server;
+use crate::store;
 use clap::Parser;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -101,7 +104,7 @@ fn said(done: Result<(), offline::Error>) -> ExitCode {
     ExitCode::from(WRONG_CALL)
 }
 
-async fn serve(config: crate::Config) -> std::io::Result<()> {
+async fn serve(config: Config) -> std::io::Result<()> {
     let (mut terminate, mut interrupt) =
         (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
     let longest = config.drain + config.close + LAST_RESORT;

@@ -4,15 +4,14 @@
 //! are made at a time, by threads that give way to the control of robots; who waits beyond [`WAITING`] is refused; what
 //! is kept, and what is still being read by somebody, has a bound in bytes.
 
+mod document;
 mod shelf;
 
-use crate::http::answer;
+pub(crate) use document::{Document, Name};
+
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::{self, Failure};
-use crate::store::JobId;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use shelf::Shelf;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -33,25 +32,6 @@ const READ: usize = 2;
 /// priority, that of jobs, nobody would get a figure while a job runs.
 #[cfg(target_os = "linux")]
 const NICENESS: i32 = 10;
-
-/// Which document.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Name {
-    /// Of which job.
-    pub(crate) job: JobId,
-    /// Which of the job's.
-    pub(crate) what: &'static str,
-    /// How far the job was: what has ended never changes.
-    pub(crate) state: u64,
-}
-
-/// A document that has been made; cheap to clone.
-#[derive(Clone, Debug)]
-pub(crate) struct Document {
-    bytes: Bytes,
-    etag: Arc<str>,
-    media_type: &'static str,
-}
 
 /// The documents of a server; cheap to clone.
 #[derive(Clone, Debug)]
@@ -181,32 +161,6 @@ fn give_way() {
     if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
         tracing::debug!(%error, "documents are made at normal priority");
     }
-}
-
-impl Document {
-    /// The answer to a request with these headers: not the document itself where they say that it is known.
-    pub(crate) fn answer(&self, headers: &HeaderMap) -> Response {
-        let quoted = answer::quoted(&self.etag);
-        let mut response = if is_known(headers, &quoted) {
-            StatusCode::NOT_MODIFIED.into_response()
-        } else {
-            ([(header::CONTENT_TYPE, self.media_type)], self.bytes.clone()).into_response()
-        };
-        if let Ok(etag) = HeaderValue::from_str(&quoted) {
-            response.headers_mut().insert(header::ETAG, etag);
-        }
-        response
-    }
-}
-
-/// Whether `If-None-Match` names this version (RFC 9110, 13.1.2: any of a list, weak or not).
-fn is_known(headers: &HeaderMap, quoted: &str) -> bool {
-    let lists = headers.get_all(header::IF_NONE_MATCH).iter();
-    let mut named = lists.filter_map(|list| list.to_str().ok()).flat_map(|list| list.split(','));
-    named.any(|name| {
-        let name = name.trim();
-        name == "*" || name.strip_prefix("W/").unwrap_or(name) == quoted
-    })
 }
 
 #[cfg(test)]

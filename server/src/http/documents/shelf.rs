@@ -1,6 +1,6 @@
 //! The documents that are kept: those that were asked for last, up to so many bytes.
 
-use super::{Document, Name};
+use super::document::{Document, Name};
 use std::collections::HashMap;
 use std::sync::Arc;
 use tokio::sync::OnceCell;

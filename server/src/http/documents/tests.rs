@@ -1,5 +1,7 @@
 use super::*;
+use crate::store::JobId;
 use crate::store::JobKind;
+use axum::http::{HeaderMap, StatusCode, header};
 use std::sync::mpsc;
 
 fn name(number: u64) -> Name {

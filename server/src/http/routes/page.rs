@@ -1,6 +1,5 @@
 //! Which part of a list to show: the query, every part of it checked at once.
 
-use super::jobs::Resource;
 use crate::resource::failure::Failure;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -60,7 +59,7 @@ impl Listed for Environments {
 /// Jobs of a kind by their numbers, the newest first.
 pub(crate) struct Jobs<W>(PhantomData<W>);
 
-impl<W: Resource> Listed for Jobs<W> {
+impl<W> Listed for Jobs<W> {
     type Token = u64;
     type State = evolution::State;
     const STATES: Option<&'static str> = Some("queued, running, succeeded, failed or cancelled");

@@ -1,6 +1,7 @@
 //! The command line of `umwelt-server compare`.
 
-use crate::offline::Order;
+use super::values::threads;
+use crate::lab::offline::Order;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
@@ -27,7 +28,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "NAME")]
     prior: Option<String>,
     /// Threads; all cores where none are said. The report does not depend on them.
-    #[arg(long, value_name = "N", value_parser = super::threads)]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     /// Write report.json, trials.csv, compare.md and the figures into this folder.
     #[arg(long, value_name = "DIR")]

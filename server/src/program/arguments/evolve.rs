@@ -1,6 +1,7 @@
 //! The command line of `umwelt-server evolve`.
 
-use crate::offline::Order;
+use super::values::threads;
+use crate::lab::offline::Order;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use umwelt_api::evolution::{self, Request};
@@ -43,7 +44,7 @@ pub(crate) struct Evolve {
     #[arg(long, value_name = "N")]
     slots: Option<u64>,
     /// Threads; all cores where none are said. The champion does not depend on them.
-    #[arg(long, value_name = "N", value_parser = super::threads)]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     /// Write prior.json, report.json, generations.csv and the figures into this folder.
     #[arg(long, value_name = "DIR")]

@@ -2,9 +2,12 @@
 
 mod compare;
 mod evolve;
+mod values;
 
-use crate::offline::Order;
-use crate::{Config, HostName, Origin, Priority, read_token};
+use crate::http::guard::{HostName, Origin, read_token};
+use crate::jobs::Priority;
+use crate::lab::offline::Order;
+use crate::program::config::{Config, MB};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use compare::Compare;
 use evolve::Evolve;
@@ -12,12 +15,10 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 use umwelt_api::{comparison, evolution};
+use values::{at_least_one, filter, megabytes, seconds, threads};
 
 /// Data directory where none is named.
 const DATA: &str = "umwelt-data";
-
-/// Bytes in a megabyte.
-const MB: usize = 1 << 20;
 
 /// Controller server for two-wheel robots over bad links.
 ///
@@ -279,45 +280,6 @@ impl Serve {
         };
         config.check()?;
         Ok(config)
-    }
-}
-
-fn filter(text: &str) -> Result<String, String> {
-    match tracing_subscriber::EnvFilter::try_new(text) {
-        Ok(_) => Ok(text.to_owned()),
-        Err(error) => Err(error.to_string()),
-    }
-}
-
-/// From a millisecond to an hour.
-fn seconds(text: &str) -> Result<Duration, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (1e-3..=3600.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err("use a number of seconds from 0.001 to 3600".to_owned()),
-    }
-}
-
-/// From a megabyte to a terabyte.
-fn megabytes(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(megabytes) if (1..=1 << 20).contains(&megabytes) => Ok(megabytes),
-        _ => Err("use an integer from 1 to 1048576".to_owned()),
-    }
-}
-
-/// Where nothing at all would be served with none.
-fn at_least_one(text: &str) -> Result<u32, String> {
-    match text.parse() {
-        Ok(number) if number >= 1 => Ok(number),
-        _ => Err("use an integer from 1 to 4294967295".to_owned()),
-    }
-}
-
-/// More threads than any machine has cores are a mistake.
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(threads) if (1..=1024).contains(&threads) => Ok(threads),
-        _ => Err("use an integer from 1 to 1024".to_owned()),
     }
 }
 
