@@ -6,6 +6,7 @@
 
 pub(crate) mod feed;
 mod keeping;
+mod open;
 pub(crate) mod robot;
 mod saving;
 mod stop;
@@ -14,20 +15,22 @@ use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot, RobotChange, 
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::resource::failure::{self, Failure};
-use crate::store::{Change, Keeper, Posterior, Record, StopKeeper, StoredRobot};
+use crate::store::{Change, Keeper, Posterior, Record, StopKeeper};
 pub(crate) use keeping::Stops;
 use keeping::Unkept;
-use saving::Saver;
 use std::collections::BTreeMap;
 use std::ops::Bound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
-use std::time::Duration;
 use tokio::sync::{Mutex, Notify};
+use tokio::time::Instant;
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 use umwelt_core::task::Task;
+
+/// What each robot showed when it was last kept, and when that was.
+type Saver = BTreeMap<RobotId, (Arc<Snapshot>, Instant)>;
 
 /// All robots; cheap to clone.
 #[derive(Clone)]
@@ -58,42 +61,6 @@ struct Inner {
 }
 
 impl Fleet {
-    /// The robots that the store keeps; what they learn is kept from now on as long as the fleet is there.
-    pub(crate) fn open(
-        max_robots: usize,
-        save_every: Duration,
-        keeper: Keeper,
-        common: Common,
-        robots: Vec<StoredRobot>,
-        stops: Stops,
-    ) -> Self {
-        let earlier = stops.words.newest();
-        let unkept = Unkept::of(&stops.words, robots.iter().map(|robot| robot.id.clone()));
-        let revision = robots.iter().map(|robot| robot.record.revision).max();
-        let fleet = Self(Arc::new(Inner {
-            robots: RwLock::default(),
-            creating: Mutex::default(),
-            keeper,
-            saver: Mutex::default(),
-            arrivals: Arrivals::after(earlier),
-            earlier: earlier.max(1),
-            journal: stops.journal.clone(),
-            unkept: std::sync::Mutex::new(unkept),
-            behind: Arc::default(),
-            revision: AtomicU64::new(revision.unwrap_or(0)),
-            common,
-            max_robots,
-            draining: AtomicBool::new(false),
-        }));
-        for StoredRobot { id, mut record, saved } in robots {
-            stops.merge(&id, &mut record);
-            fleet.insert(id, record, saved, None);
-        }
-        saving::start(&fleet, save_every);
-        keeping::start(&fleet);
-        fleet
-    }
-
     /// The robot with this id.
     pub(crate) fn find(&self, id: &RobotId) -> Option<Arc<Robot>> {
         self.0.robots.read().unwrap_or_else(PoisonError::into_inner).get(id).cloned()

@@ -4,6 +4,7 @@ use crate::fleet::robot::Workers;
 use crate::library::priors::Priors;
 use crate::program::config::Config;
 use crate::store::MemoryStore;
+use crate::store::StoredRobot;
 use std::time::Duration;
 use umwelt_api::problem::reason;
 use umwelt_api::robot::State;

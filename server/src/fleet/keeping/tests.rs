@@ -7,13 +7,16 @@ use crate::fleet::robot::{Common, Workers};
 use crate::library::priors::Priors;
 use crate::program::config::Config;
 use crate::resource::condition::Condition;
-use crate::store::{Contents, JobId, Keeper, MemoryStore, Part, Store, StoreError, stop_journal};
+use crate::store::{
+    Contents, JobId, Keeper, MemoryStore, Part, StopKeeper, Store, StoreError, stop_journal,
+};
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex};
 use tempfile::tempdir;
 use tokio::runtime::Runtime;
+use umwelt_api::RobotId;
 use umwelt_core::settings::Settings;
 
 const ROBOTS: usize = 3;
