@@ -1,9 +1,9 @@
 //! The controller server of Umwelt: robots, tasks, steps, stops, environments and events over HTTP.
 //!
-//! One task per robot owns its controller and its session with the agent (`robot`), on threads that do nothing else, so
-//! that no computation holds up connections, stops or health; requests reach it
-//! through a bounded queue, and what it shows goes out through a `watch`, so that a reader never waits for a robot
-//! and a slow robot never slows another. What must outlive the process goes through the [`Store`].
+//! One task per robot owns its controller and its session with the agent (`fleet::robot`), on threads that do nothing
+//! else, so that no computation holds up connections, stops or health; requests reach it through a bounded queue, and
+//! what it shows goes out through a `watch`, so that a reader never waits for a robot and a slow robot never slows
+//! another. What must outlive the process goes through the [`Store`].
 //!
 //! ```no_run
 //! # async fn example() -> std::io::Result<()> {
@@ -19,8 +19,19 @@
 //! # }
 //! ```
 //!
+//! The rooms, each of which names those below it and none above:
+//! 1. `program`: the process, its settings, the server put together,
+//! 2. `http`: everything that knows HTTP,
+//! 3. `lab`: figures and reports; evolutions and comparisons without a server,
+//! 4. `jobs`: what runs in the background,
+//! 5. `fleet`: the robots,
+//! 6. `library`: priors and simulated environments by name,
+//! 7. `store`: what outlives the process,
+//! 8. `resource`: what all resources have, versions, conditions and failures.
+//!
 //! Architecture invariants: nothing here plans or identifies, that is core's; nothing here names a wire field,
-//! that is the contract's; no request waits for another robot's task; steps never touch the store.
+//! that is the contract's; nothing below `http` knows HTTP but for the codes of the contract; no request waits for
+//! another robot's task; steps never touch the store.
 
 mod fleet;
 mod http;
