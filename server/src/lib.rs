@@ -1,9 +1,9 @@
 //! The controller server of Umwelt: robots, tasks, steps, stops, environments and events over HTTP.
 //!
-//! One task per robot owns its controller and its session with the agent (`robot`), on threads that do nothing else, so
-//! that no computation holds up connections, stops or health; requests reach it
-//! through a bounded queue, and what it shows goes out through a `watch`, so that a reader never waits for a robot
-//! and a slow robot never slows another. What must outlive the process goes through the [`Store`].
+//! One task per robot owns its controller and its session with the agent (`fleet::robot`), on threads that do nothing
+//! else, so that no computation holds up connections, stops or health; requests reach it through a bounded queue, and
+//! what it shows goes out through a `watch`, so that a reader never waits for a robot and a slow robot never slows
+//! another. What must outlive the process goes through the [`Store`].
 //!
 //! ```no_run
 //! # async fn example() -> std::io::Result<()> {
@@ -19,41 +19,32 @@
 //! # }
 //! ```
 //!
+//! The rooms, each of which names those below it and none above:
+//! 1. `program`: the process, its settings, the server put together,
+//! 2. `http`: everything that knows HTTP,
+//! 3. `lab`: figures and reports; evolutions and comparisons without a server,
+//! 4. `jobs`: what runs in the background,
+//! 5. `fleet`: the robots,
+//! 6. `library`: priors and simulated environments by name,
+//! 7. `store`: what outlives the process,
+//! 8. `resource`: what all resources have, versions, conditions and failures.
+//!
 //! Architecture invariants: nothing here plans or identifies, that is core's; nothing here names a wire field,
-//! that is the contract's; no request waits for another robot's task; steps never touch the store.
+//! that is the contract's; nothing below `http` knows HTTP but for the codes of the contract; no request waits for
+//! another robot's task; steps never touch the store.
 
-mod answer;
-mod app;
-mod budget;
-mod catalogue;
-mod comparison;
-mod condition;
-mod config;
-mod connection;
-mod deadline;
-mod documents;
-mod etag;
-mod evolution;
-mod extract;
-mod failure;
-mod feed;
-mod figures;
 mod fleet;
-mod frames;
-mod guard;
+mod http;
 mod jobs;
-mod memory;
-pub mod offline;
-mod priors;
-mod robot;
-mod router;
-mod routes;
-mod serve;
+mod lab;
+mod library;
+pub mod program;
+mod resource;
 pub mod store;
-mod training;
 
-pub use config::Config;
-pub use guard::{HostName, Origin, read_token};
+pub use http::guard::{HostName, Origin, read_token};
 pub use jobs::Priority;
-pub use serve::Server;
+pub use lab::offline;
+pub use program::config::Config;
+pub use program::serve::Server;
 pub use store::Store;

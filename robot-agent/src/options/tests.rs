@@ -1,5 +1,7 @@
 use super::*;
 use clap::CommandFactory;
+use umwelt_core::link::LinkModel;
+use umwelt_core::plant::SlipChannel;
 
 fn plan(arguments: &[&str]) -> Result<Plan, String> {
     let all = ["umwelt-agent", "--robot", "rover-7"].iter().chain(arguments);

@@ -4,36 +4,33 @@
 //! kept is refused and changes nothing. Stopping is the other way round: it must work whatever the store does.
 //! A change once begun runs to its end, even if the caller has gone.
 
+pub(crate) mod feed;
 mod keeping;
+mod open;
+pub(crate) mod robot;
 mod saving;
 mod stop;
 
-use crate::condition::Condition;
-use crate::config::Config;
-use crate::failure::{self, Failure};
-use crate::robot::{Arrivals, Brake, Command, Common, Robot};
-use crate::store::{Change, Keeper, Kind, Posterior, Record, StopKeeper, StoredRobot, Unreadables};
+use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot, RobotChange, Snapshot};
+use crate::resource::change::{Put, to_the_end};
+use crate::resource::condition::Condition;
+use crate::resource::failure::{self, Failure};
+use crate::store::{Change, Keeper, Kind, Posterior, Record, StopKeeper, Unreadables};
 pub(crate) use keeping::Stops;
 use keeping::Unkept;
-use saving::Saver;
 use std::collections::BTreeMap;
 use std::ops::Bound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 use tokio::sync::{Mutex, Notify};
+use tokio::time::Instant;
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 use umwelt_core::task::Task;
 
-/// What a PUT did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Put {
-    /// There was nothing before.
-    Created,
-    /// It took the place of another.
-    Replaced,
-}
+/// What each robot showed when it was last kept, and when that was.
+type Saver = BTreeMap<RobotId, (Arc<Snapshot>, Instant)>;
 
 /// All robots; cheap to clone.
 #[derive(Clone)]
@@ -66,44 +63,6 @@ struct Inner {
 }
 
 impl Fleet {
-    /// The robots that the store keeps; what they learn is kept from now on as long as the fleet is there.
-    pub(crate) fn open(
-        config: &Config,
-        keeper: Keeper,
-        common: Common,
-        robots: Vec<StoredRobot>,
-        stops: Stops,
-        unreadable: Unreadables,
-    ) -> Self {
-        let earlier = stops.words.newest();
-        let unkept = Unkept::of(&stops.words, robots.iter().map(|robot| robot.id.clone()));
-        let revisions = robots.iter().map(|robot| robot.record.revision);
-        let revision = revisions.chain(unreadable.revisions()).max();
-        let fleet = Self(Arc::new(Inner {
-            robots: RwLock::default(),
-            creating: Mutex::default(),
-            keeper,
-            saver: Mutex::default(),
-            arrivals: Arrivals::after(earlier),
-            earlier: earlier.max(1),
-            journal: stops.journal.clone(),
-            unkept: std::sync::Mutex::new(unkept),
-            behind: Arc::default(),
-            revision: AtomicU64::new(revision.unwrap_or(0)),
-            unreadable,
-            common,
-            max_robots: config.max_robots,
-            draining: AtomicBool::new(false),
-        }));
-        for StoredRobot { id, mut record, saved } in robots {
-            stops.merge(&id, &mut record);
-            fleet.insert(id, record, saved, None);
-        }
-        saving::start(&fleet, config.save_every);
-        keeping::start(&fleet);
-        fleet
-    }
-
     /// The robot with this id.
     pub(crate) fn find(&self, id: &RobotId) -> Option<Arc<Robot>> {
         self.0.robots.read().unwrap_or_else(PoisonError::into_inner).get(id).cloned()
@@ -183,21 +142,18 @@ impl Fleet {
         }
         robot.is_not_stuck()?;
         condition.check(Some(snapshot.etag()))?;
-        let revision = self.next_revision();
-        let record = Record { settings, prior: prior.clone(), revision, ..robot.record() };
+        let change = RobotChange::Settings { settings: settings.into(), prior: prior.clone() };
         if !robot.is_alive() {
             // Its task has died. Somebody describes it anew, so it may drive again; followers begin anew. What it
             // learned may be what it died of.
+            let record = change.kept(robot.record(), self.next_revision());
             self.keep(robot.id(), &record, None).await?;
             robot.ring().close();
             // A stop that comes meanwhile comes to the one brake.
             let brake = Some(Arc::clone(robot.brake()));
             return Ok(Some((self.insert(robot.id().clone(), record, None, brake), Put::Replaced)));
         }
-        let saved = snapshot.saved_after(|controller| controller.replace_settings(settings));
-        self.keep(robot.id(), &record, Some(saved)).await?;
-        let (prior, settings) = (record.prior, Box::new(settings));
-        robot.tell(Command::Replace { settings, prior, revision }).await?;
+        self.make(&robot, &snapshot, change).await?;
         Ok(Some((Arc::clone(&robot), Put::Replaced)))
     }
 
@@ -288,15 +244,21 @@ impl Fleet {
         if robot.is_alive() && task.as_ref().is_some_and(|task| snapshot.has_task(task)) {
             return Ok(true);
         }
-        let revision = self.next_revision();
-        let saved = snapshot.saved_after(|controller| match task.clone() {
-            Some(task) => controller.set_task(task),
-            None => controller.cancel_task(),
-        });
-        let record = Record { task: task.clone(), revision, ..robot.record() };
-        self.keep(robot.id(), &record, Some(saved)).await?;
-        robot.tell(Command::ChangeTask { task, revision }).await?;
+        self.make(robot, &snapshot, RobotChange::Task(task)).await?;
         Ok(snapshot.task_etag().is_some())
+    }
+
+    /// Keeps a change of a robot, and tells it then.
+    async fn make(
+        &self,
+        robot: &Robot,
+        snapshot: &Snapshot,
+        change: RobotChange,
+    ) -> Result<(), Failure> {
+        let revision = self.next_revision();
+        let record = change.kept(robot.record(), revision);
+        self.keep(robot.id(), &record, Some(snapshot.saved_after(&change))).await?;
+        robot.tell(Command::Change { change, revision }).await
     }
 
     /// Whether the server is shutting down.
@@ -341,13 +303,6 @@ impl Fleet {
         }));
         self.0.keeper.commit(changes).await
     }
-}
-
-/// Runs a change to its end even if the caller goes away: half a change would part the robot from the store.
-pub(crate) async fn to_the_end<T: Send + 'static>(
-    change: impl Future<Output = Result<T, Failure>> + Send + 'static,
-) -> Result<T, Failure> {
-    tokio::spawn(change).await.unwrap_or_else(|error| Err(failure::broken(&error)))
 }
 
 #[cfg(test)]

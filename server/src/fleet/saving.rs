@@ -3,14 +3,12 @@
 //! No robot's task waits for it, and it waits for none. A disk wears out with every write: what robots learn is kept
 //! by how much that is ([`Saved::is_news_after`](umwelt_core::controller::Saved::is_news_after)), and seldom.
 
-use super::{Fleet, Inner};
-use crate::robot::Snapshot;
+use super::{Fleet, Inner, Saver};
+use crate::fleet::robot::Snapshot;
 use crate::store::Change;
-use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
-use umwelt_api::RobotId;
 
 /// How often it is looked whether a round is due, and what the store refused is tried again: well below a second.
 const TICK: Duration = Duration::from_millis(500);
@@ -20,9 +18,6 @@ const KEEP_WITHIN: Duration = Duration::from_secs(60);
 
 /// A store to which nothing was written for this long is tried, so that readiness does not speak of long ago.
 const IDLE: Duration = Duration::from_secs(10);
-
-/// What each robot showed when it was last kept, and when that was.
-pub(super) type Saver = BTreeMap<RobotId, (Arc<Snapshot>, Instant)>;
 
 /// What is worth a write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,9 +7,10 @@
 //! machine is busy. Nobody can tell then, so the stop wins: it acts when it arrives, and once more after [`SETTLES`],
 //! before it is acknowledged.
 
-use super::{Fleet, to_the_end};
-use crate::failure::Failure;
-use crate::robot::{Arrival, Command, Robot};
+use super::Fleet;
+use crate::fleet::robot::{Arrival, Command, Robot};
+use crate::resource::change::to_the_end;
+use crate::resource::failure::Failure;
 use futures_util::future::join_all;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -1,8 +1,10 @@
 use super::*;
-use crate::feed::Feed;
-use crate::priors::Priors;
-use crate::robot::Workers;
+use crate::fleet::feed::Feed;
+use crate::fleet::robot::Workers;
+use crate::library::priors::Priors;
+use crate::program::config::Config;
 use crate::store::MemoryStore;
+use crate::store::StoredRobot;
 use std::time::Duration;
 use umwelt_api::problem::reason;
 use umwelt_api::robot::State;
@@ -14,10 +16,19 @@ fn empty() -> Fleet {
 
 fn open(robots: Vec<StoredRobot>) -> Fleet {
     let keeper = Keeper::new(Arc::new(MemoryStore::default()));
-    let (lost_after, feed) = (Config::default().lost_after, Feed::new());
+    let Config { max_robots, save_every, lost_after, .. } = Config::default();
+    let feed = Feed::new();
     let workers = Workers::start().unwrap();
     let common = Common { lost_after, feed, priors: Priors::default(), workers };
-    Fleet::open(&Config::default(), keeper, common, robots, Stops::default(), Default::default())
+    Fleet::open(
+        max_robots,
+        save_every,
+        keeper,
+        common,
+        robots,
+        Stops::default(),
+        Default::default(),
+    )
 }
 
 #[tokio::test]

@@ -8,7 +8,7 @@ use super::pool::Halt;
 use super::queue::{Inner, Start, unwritable};
 use super::record::{Checkpoint, Record, State, part_body};
 use super::work::{Gift, Told, Work};
-use crate::failure::Failure;
+use crate::resource::failure::Failure;
 use crate::store::{Change, JobId};
 use std::sync::Arc;
 use std::time::Duration;

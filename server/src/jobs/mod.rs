@@ -4,7 +4,9 @@
 //! What one kind of job does is [`Work`]; its life is the same for all kinds. Each kind has a queue and a dispatcher of
 //! its own ([`Jobs`]), all share the threads ([`Pool`]).
 
+pub(crate) mod comparison;
 mod dispatch;
+pub(crate) mod evolution;
 mod job;
 mod pool;
 mod queue;

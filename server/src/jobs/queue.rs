@@ -8,7 +8,7 @@ use super::job::Job;
 use super::pool::Pool;
 use super::record::{Checkpoint, Reached, Record, State};
 use super::work::Work;
-use crate::failure::{self, Failure};
+use crate::resource::failure::{self, Failure};
 use crate::store::{
     Change, Contents, JobId, JobKind, Keeper, Kind, StoredJob, Unreadable, Unreadables,
 };

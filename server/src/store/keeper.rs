@@ -1,11 +1,12 @@
 //! The way to the store for the async part of the server: calls off its threads, and whether the store works.
 
 use super::{Change, Contents, JobId, Part, Store, StoreError};
-use crate::failure::{self, Failure};
+use crate::resource::failure::{self, Failure};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
+use umwelt_api::problem::{Detail, Status, reason};
 
 /// A store that does not answer for this long counts as down until it does.
 const ANSWERS_WITHIN: Duration = Duration::from_secs(5);
@@ -138,5 +139,17 @@ impl Keeper {
             }
             *health = Health { since: Instant::now(), fault };
         });
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        let status = match error {
+            StoreError::Unavailable(_) => Status::Unavailable,
+            StoreError::Damaged(_) => Status::DataLoss,
+            StoreError::Rejected(_) => Status::Internal,
+        };
+        let remedy = "nothing was changed; robots that drive go on driving";
+        Self::new(status, error.to_string()).with(Detail::new(reason::STORE_FAILED, "", (), remedy))
     }
 }

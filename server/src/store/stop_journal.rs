@@ -4,7 +4,7 @@
 //! One line per word, `ARRIVAL WORD ROBOT SUM`, such as `17 stop rover-7 3f2a...`, the last part a checksum of the rest.
 //! Of the words about one robot the one with the highest arrival counts, wherever it stands in the file.
 
-use crate::etag::fnv_1a;
+use crate::resource::etag::fnv_1a;
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io;

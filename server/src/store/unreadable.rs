@@ -3,8 +3,10 @@
 
 use super::JobKind;
 use super::document;
+use crate::resource::failure::Failure;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+use umwelt_api::problem::{Detail, Status, reason};
 
 /// What things with names or ids there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,6 +64,13 @@ impl Unreadable {
         format!(
             "start a server of the version that wrote it, or give it up: DELETE /v1/{kind}s/{name}"
         )
+    }
+
+    /// What somebody is told who asks for it.
+    pub(crate) fn failure(&self) -> Failure {
+        let (kind, name) = (self.kind.name(), self.name.as_str());
+        let detail = Detail::new(reason::UNREADABLE, kind, name, self.remedy());
+        Failure::new(Status::FailedPrecondition, self.said()).with(detail)
     }
 
     /// As the wire has it.

@@ -21,6 +21,7 @@ mod process;
 mod recovery;
 mod request_log;
 mod robots;
+mod rooms;
 mod shutdown;
 mod sockets;
 mod steps;

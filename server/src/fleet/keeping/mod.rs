@@ -4,15 +4,18 @@
 //! The journal is read at the start, and its word about a robot counts before the store's. So nothing is taken out of
 //! it that the store does not hold, and nothing is acknowledged that an older word in it would take back.
 
-use super::{Fleet, Inner, to_the_end};
-use crate::failure::Failure;
-use crate::robot::{Arrival, Robot};
-use crate::store::{Change, Entry, Record, StopKeeper, Word, Words};
-use std::collections::BTreeMap;
+mod words;
+
+pub(crate) use words::{Stops, Unkept};
+
+use super::{Fleet, Inner};
+use crate::fleet::robot::{Arrival, Robot};
+use crate::resource::change::to_the_end;
+use crate::resource::failure::Failure;
+use crate::store::{Change, Entry, Word};
 use std::sync::{Arc, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 use tokio::time::{Instant, timeout, timeout_at};
-use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, Status, reason};
 
 /// Longest wait for the disk before a stop is acknowledged: far above a sync, far below a person's patience.
@@ -29,78 +32,6 @@ const IDLE: Duration = Duration::from_secs(10);
 
 /// Most robots whose records go into one commit: large tasks, and others wait for the store as well.
 const CHUNK: usize = 64;
-
-/// Where words on stopping are kept, and what an earlier run of the server has left there.
-#[derive(Debug, Default)]
-pub(crate) struct Stops {
-    /// None where there is only the store.
-    pub(crate) journal: Option<StopKeeper>,
-    pub(crate) words: Words,
-}
-
-impl Stops {
-    /// What a stored `record` of robot `id` is with the words that were kept beside it.
-    pub(super) fn merge(&self, id: &RobotId, record: &mut Record) {
-        if let Some((_, word)) = self.words.last.get(id) {
-            record.stopped = *word == Word::Stop;
-        }
-        // Somebody was stopped, and nobody knows who.
-        record.stopped |= self.words.is_damaged;
-    }
-}
-
-/// What the store has still to take in.
-#[derive(Debug, Default)]
-pub(super) struct Unkept {
-    /// The last word about each robot that may be kept elsewhere than in the store.
-    due: BTreeMap<RobotId, u64>,
-    /// Up to which arrival the store holds the words about a robot.
-    held: BTreeMap<RobotId, u64>,
-}
-
-impl Unkept {
-    /// What an earlier run has left to do, for the robots that there are.
-    pub(super) fn of(words: &Words, robots: impl Iterator<Item = RobotId>) -> Self {
-        let mut unkept = Self::default();
-        for (id, (arrival, _)) in &words.last {
-            unkept.due.insert(id.clone(), *arrival);
-        }
-        if words.is_damaged {
-            for id in robots {
-                unkept.due.entry(id).or_insert(1);
-            }
-        }
-        unkept
-    }
-
-    /// Whether nothing was due about this robot before.
-    fn mark(&mut self, id: &RobotId, arrival: Arrival) -> bool {
-        let before = self.due.get(id).copied();
-        self.due.insert(id.clone(), arrival.0.max(before.unwrap_or(0)));
-        before.is_none()
-    }
-
-    fn hold(&mut self, id: &RobotId, arrival: u64) {
-        let held = self.held.entry(id.clone()).or_default();
-        *held = arrival.max(*held);
-    }
-
-    fn is_held(&self, id: &RobotId, due: u64) -> bool {
-        self.held.get(id).is_some_and(|held| *held >= due)
-    }
-
-    /// Robots about which the store does not hold the last word.
-    fn missing(&self) -> Vec<RobotId> {
-        let due = self.due.iter().filter(|(id, due)| !self.is_held(id, **due));
-        due.map(|(id, _)| id.clone()).collect()
-    }
-
-    /// Nothing but the store holds a word up to those in `held`.
-    fn settle(&mut self, held: &BTreeMap<RobotId, u64>) {
-        self.due.retain(|id, due| held.get(id).is_none_or(|held| held < due));
-        self.held.clear();
-    }
-}
 
 /// Brings words into the store as long as `fleet` is there.
 pub(super) fn start(fleet: &Fleet) {
@@ -303,7 +234,7 @@ impl Fleet {
     async fn commit_as_they_are(&self, robots: &[Arc<Robot>]) -> Result<(), Failure> {
         let there: Vec<_> = robots.iter().filter(|robot| !robot.snapshot().is_removed()).collect();
         let orders: Vec<_> = there.iter().map(|robot| robot.brake().order()).collect();
-        let change = |(robot, order): (&&Arc<Robot>, &crate::robot::StopOrder)| {
+        let change = |(robot, order): (&&Arc<Robot>, &crate::fleet::robot::StopOrder)| {
             let record = robot.snapshot().record(order.is_stopped());
             Change::PutRobot(robot.id().clone(), Box::new(record))
         };

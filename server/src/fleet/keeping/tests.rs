@@ -2,18 +2,21 @@
 //! dies, over arbitrary interleavings.
 
 use super::*;
-use crate::condition::Condition;
-use crate::config::Config;
-use crate::feed::Feed;
-use crate::priors::Priors;
-use crate::robot::{Common, Workers};
-use crate::store::{Contents, JobId, Keeper, MemoryStore, Part, Store, StoreError, stop_journal};
+use crate::fleet::feed::Feed;
+use crate::fleet::robot::{Common, Workers};
+use crate::library::priors::Priors;
+use crate::program::config::Config;
+use crate::resource::condition::Condition;
+use crate::store::{
+    Contents, JobId, Keeper, MemoryStore, Part, StopKeeper, Store, StoreError, stop_journal,
+};
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex};
 use tempfile::tempdir;
 use tokio::runtime::Runtime;
+use umwelt_api::RobotId;
 use umwelt_core::settings::Settings;
 
 const ROBOTS: usize = 3;
@@ -94,7 +97,8 @@ impl Life {
             let common = Common { lost_after: Duration::from_secs(2), feed, priors, workers };
             let robots = disk.load().unwrap().robots;
             let keeper = Keeper::new(disk.clone());
-            Fleet::open(&Config::default(), keeper, common, robots, stops, Default::default())
+            let Config { max_robots, save_every, .. } = Config::default();
+            Fleet::open(max_robots, save_every, keeper, common, robots, stops, Default::default())
         });
         Self { runtime, fleet, disk }
     }

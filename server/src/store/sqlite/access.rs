@@ -2,7 +2,8 @@
 //! one that reads alone. From that it comes back by itself at the first write for which there is room.
 
 use super::files::Watched;
-use super::open::{self, OpenError, Opened};
+use super::open::{self, Opened};
+use super::open_error::OpenError;
 use super::schema::{self, Unusable};
 use crate::store::StoreError;
 use rusqlite::Connection;

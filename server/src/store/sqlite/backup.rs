@@ -1,6 +1,8 @@
 //! A copy of a data file, made while a server may be using it.
 
-use super::open::{self, DATA_FILE, OpenError};
+use super::files::DATA_FILE;
+use super::open;
+use super::open_error::OpenError;
 use super::schema::{self, Unusable};
 use super::{check, damage, files};
 use crate::store::JobKind;

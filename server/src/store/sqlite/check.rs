@@ -1,7 +1,9 @@
 //! A data file looked through from end to end, without a server: which rows are damaged, and those taken out.
 
 use super::damage::{self, Damage};
-use super::open::{self, DATA_FILE, OpenError};
+use super::files::DATA_FILE;
+use super::open;
+use super::open_error::OpenError;
 use super::schema::{self, Unusable};
 use super::{files, log};
 use rusqlite::{Connection, TransactionBehavior};

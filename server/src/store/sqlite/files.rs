@@ -1,13 +1,16 @@
 //! The files of a data directory: who holds them, whether there was a store in them, and whether they are still those
 //! that were opened.
 
-use super::open::{DATA_FILE, OpenError};
+use super::open_error::OpenError;
 use crate::store::StoreError;
 use std::ffi::OsString;
 use std::fs::{File, TryLockError};
 use std::io::{self, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+
+/// The data file in the data directory.
+pub const DATA_FILE: &str = "umwelt.sqlite";
 
 /// The file that a running server holds locked. Once there is a store beside it, it says so, and stays.
 pub const LOCK_FILE: &str = "umwelt.lock";

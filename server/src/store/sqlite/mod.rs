@@ -12,6 +12,7 @@ mod damage;
 mod files;
 mod log;
 mod open;
+mod open_error;
 mod read;
 mod schema;
 mod tables;
@@ -20,8 +21,8 @@ mod writer;
 pub use backup::{Backup, BackupError, backup};
 pub use check::{Checked, check};
 pub use damage::Damage;
-pub use files::LOCK_FILE;
-pub use open::{DATA_FILE, OpenError};
+pub use files::{DATA_FILE, LOCK_FILE};
+pub use open_error::OpenError;
 
 use super::{Change, Contents, JobId, Part, Store, StoreError};
 use access::{Access, Reader, Writing};

@@ -1,0 +1,78 @@
+//! What was said of stopping: what an earlier run of the server has left, and what the store has still to take in.
+
+use crate::fleet::robot::Arrival;
+use crate::store::{Record, StopKeeper, Word, Words};
+use std::collections::BTreeMap;
+use umwelt_api::RobotId;
+
+/// Where words on stopping are kept, and what an earlier run of the server has left there.
+#[derive(Debug, Default)]
+pub(crate) struct Stops {
+    /// None where there is only the store.
+    pub(crate) journal: Option<StopKeeper>,
+    pub(crate) words: Words,
+}
+
+impl Stops {
+    /// What a stored `record` of robot `id` is with the words that were kept beside it.
+    pub(crate) fn merge(&self, id: &RobotId, record: &mut Record) {
+        if let Some((_, word)) = self.words.last.get(id) {
+            record.stopped = *word == Word::Stop;
+        }
+        // Somebody was stopped, and nobody knows who.
+        record.stopped |= self.words.is_damaged;
+    }
+}
+
+/// What the store has still to take in.
+#[derive(Debug, Default)]
+pub(crate) struct Unkept {
+    /// The last word about each robot that may be kept elsewhere than in the store.
+    pub(super) due: BTreeMap<RobotId, u64>,
+    /// Up to which arrival the store holds the words about a robot.
+    pub(super) held: BTreeMap<RobotId, u64>,
+}
+
+impl Unkept {
+    /// What an earlier run has left to do, for the robots that there are.
+    pub(crate) fn of(words: &Words, robots: impl Iterator<Item = RobotId>) -> Self {
+        let mut unkept = Self::default();
+        for (id, (arrival, _)) in &words.last {
+            unkept.due.insert(id.clone(), *arrival);
+        }
+        if words.is_damaged {
+            for id in robots {
+                unkept.due.entry(id).or_insert(1);
+            }
+        }
+        unkept
+    }
+
+    /// Whether nothing was due about this robot before.
+    pub(super) fn mark(&mut self, id: &RobotId, arrival: Arrival) -> bool {
+        let before = self.due.get(id).copied();
+        self.due.insert(id.clone(), arrival.0.max(before.unwrap_or(0)));
+        before.is_none()
+    }
+
+    pub(super) fn hold(&mut self, id: &RobotId, arrival: u64) {
+        let held = self.held.entry(id.clone()).or_default();
+        *held = arrival.max(*held);
+    }
+
+    fn is_held(&self, id: &RobotId, due: u64) -> bool {
+        self.held.get(id).is_some_and(|held| *held >= due)
+    }
+
+    /// Robots about which the store does not hold the last word.
+    pub(super) fn missing(&self) -> Vec<RobotId> {
+        let due = self.due.iter().filter(|(id, due)| !self.is_held(id, **due));
+        due.map(|(id, _)| id.clone()).collect()
+    }
+
+    /// Nothing but the store holds a word up to those in `held`.
+    pub(super) fn settle(&mut self, held: &BTreeMap<RobotId, u64>) {
+        self.due.retain(|id, due| held.get(id).is_none_or(|held| held < due));
+        self.held.clear();
+    }
+}

@@ -1,0 +1,151 @@
+//! Comparisons: submitted, their trials, and what is theirs alone of what all jobs have.
+
+use super::jobs::{Made, Resource, figure as figure_of, idempotency_key, repeated, submitted};
+use crate::http::answer::Result;
+use crate::http::app::App;
+use crate::http::documents::Name;
+use crate::http::extract::{Body, Named};
+use crate::jobs::{Job, Jobs, Shown, Submission};
+use crate::lab::figures::comparison::svg;
+use crate::lab::{csv, report};
+use crate::resource::change::to_the_end;
+use crate::resource::etag;
+use crate::resource::failure::{self, Failure};
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::sse;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::convert::Infallible;
+use std::sync::Arc;
+use umwelt_api::ComparisonId;
+use umwelt_api::comparison::{self, Figure, Page, Request};
+use umwelt_api::page::Unreadable;
+use umwelt_api::problem::{Detail, Status, reason};
+use umwelt_core::comparison::{Comparison, Distribution};
+
+pub(crate) async fn submit(
+    State(app): State<App>,
+    headers: HeaderMap,
+    Body(body): Body<{ comparison::MAX_BODY }>,
+) -> Result {
+    let key = idempotency_key(&headers)?;
+    to_the_end(async move {
+        let mut submitting = app.comparisons.submitting().await;
+        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body))? {
+            return Ok(answer);
+        }
+        // It takes the prior as it is now.
+        let (request, settings) = Request::read_known(&body, |name| app.priors.known(name))?;
+        let prior = request.prior_name().parse()?;
+        let submission = Submission { settings, key, request: etag::of(&request).to_string() };
+        let job = submitting.submit(submission, |number| Ok((number, prior))).await?;
+        Ok(submitted(StatusCode::CREATED, &job))
+    })
+    .await
+}
+
+pub(crate) async fn figure(
+    State(app): State<App>,
+    Named(job): Named<Comparison>,
+    Path(path): Path<HashMap<String, String>>,
+    headers: HeaderMap,
+) -> Result {
+    let figure = figure_of(&path, Figure::named, &Figure::ALL.map(Figure::name))?;
+    let made = of_trials(&app, &job, &headers, figure.name(), Figure::MEDIA_TYPE)?;
+    let draw = move |job: &Job<Comparison>, distributions: &[Distribution]| {
+        svg(figure, &job.id().to_string(), &job.shown().record.settings, distributions)
+    };
+    made.of_parts(draw).await
+}
+
+/// Every trial, a contender in an environment at a time.
+pub(crate) async fn trials(
+    State(app): State<App>,
+    Named(job): Named<Comparison>,
+    headers: HeaderMap,
+) -> Result {
+    let made = of_trials(&app, &job, &headers, "trials.csv", comparison::TRIALS_MEDIA_TYPE)?;
+    let write = |_: &Job<Comparison>, distributions: &[Distribution]| {
+        let rows = distributions.iter().map(csv::rows);
+        Ok::<_, Infallible>(std::iter::once(csv::header()).chain(rows).collect())
+    };
+    made.of_parts(write).await
+}
+
+/// What is made of the trials of a comparison that has succeeded.
+fn of_trials<'a>(
+    app: &'a App,
+    job: &'a Arc<Job<Comparison>>,
+    headers: &'a HeaderMap,
+    what: &'static str,
+    media_type: &'static str,
+) -> Result<Made<'a, Comparison>, Failure> {
+    succeeded(job)?;
+    Ok(Made { app, job, headers, media_type, what, state: 0 })
+}
+
+/// The report for people.
+pub(crate) async fn report(
+    State(app): State<App>,
+    Named(job): Named<Comparison>,
+    headers: HeaderMap,
+) -> Result {
+    succeeded(&job)?;
+    let name = Name { job: job.id(), what: "report.md", state: 0 };
+    let write = move |()| {
+        let record = Arc::clone(&job.shown().record);
+        let Some(found) = &record.report else {
+            return Err(failure::internal(format!("{} has no report", job.id())));
+        };
+        let found = comparison::Report::from(found);
+        Ok(report::markdown(&record.settings, record.own.as_str(), &found))
+    };
+    let ready = std::future::ready(Ok(()));
+    let report = app.documents.get(name, comparison::REPORT_MEDIA_TYPE, ready, write).await?;
+    Ok(report.answer(&headers))
+}
+
+/// Whether there is something to show: before its end, and after another one, nothing is.
+fn succeeded(job: &Job<Comparison>) -> Result<(), Failure> {
+    if job.shown().record.report.is_some() {
+        return Ok(());
+    }
+    let id = job.id().to_string();
+    let message = format!("{id} has not succeeded");
+    let detail = Detail::new(reason::NOTHING_YET, "comparison", id, "ask again once it has");
+    Err(Failure::new(Status::FailedPrecondition, message).with(detail))
+}
+
+impl Resource for Comparison {
+    type Id = ComparisonId;
+    type Wire = comparison::Comparison;
+
+    fn jobs(app: &App) -> &Jobs<Self> {
+        &app.comparisons
+    }
+
+    fn wire(job: &Job<Self>) -> comparison::Comparison {
+        job.comparison()
+    }
+
+    /// A list of reports would have some MB.
+    fn listed(job: &Job<Self>) -> comparison::Comparison {
+        comparison::Comparison { report: None, ..job.comparison() }
+    }
+
+    fn page(
+        comparisons: Vec<comparison::Comparison>,
+        unreadable: Vec<Unreadable>,
+        next_page_token: Option<String>,
+    ) -> impl Serialize {
+        Page { comparisons, unreadable, next_page_token }
+    }
+
+    /// The id of an event is the number of trials that every contender has driven.
+    fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error> {
+        let event = job.event(shown);
+        let written = sse::Event::default().event(event.kind.name()).id(event.id.to_string());
+        written.json_data(&event)
+    }
+}

@@ -1,0 +1,42 @@
+//! The hot path, and the stop.
+
+use crate::fleet::robot::Robot;
+use crate::http::answer;
+use crate::http::answer::Result;
+use crate::http::app::App;
+use crate::http::extract::{Body, Known};
+use axum::extract::State;
+use axum::http::StatusCode;
+use umwelt_api::step::{MAX_BODY, Request};
+use umwelt_api::stop::{Stop, StopAll};
+
+/// Observations in, horizon out.
+pub(crate) async fn step(Known(robot): Known, Body(body): Body<MAX_BODY>) -> Result {
+    let request = Request::read(&body)?;
+    let reply = robot.step(request.to_core()?, request.epoch).await?;
+    Ok(answer::json(StatusCode::OK, &*reply))
+}
+
+pub(crate) async fn stop(State(app): State<App>, Known(robot): Known) -> Result {
+    let kept = app.fleet.stop(robot.clone()).await?;
+    Ok(told(&robot, true, kept))
+}
+
+pub(crate) async fn resume(State(app): State<App>, Known(robot): Known) -> Result {
+    app.fleet.resume(robot.clone()).await?;
+    Ok(told(&robot, false, true))
+}
+
+pub(crate) async fn stop_all(State(app): State<App>) -> Result {
+    let (robots, kept) = app.fleet.stop_all().await?;
+    Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: true, kept }))
+}
+
+pub(crate) async fn resume_all(State(app): State<App>) -> Result {
+    let robots = app.fleet.resume_all().await?;
+    Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: false, kept: true }))
+}
+
+fn told(robot: &Robot, stopped: bool, kept: bool) -> axum::response::Response {
+    answer::json(StatusCode::OK, &Stop { robot: robot.id().clone(), stopped, kept })
+}

@@ -1,0 +1,219 @@
+//! What all kinds of jobs have in common: shown, listed, cancelled, removed, followed.
+
+mod events;
+
+pub(crate) use events::events;
+
+use super::page::{self, Query};
+use crate::http::answer;
+use crate::http::answer::Result;
+use crate::http::app::App;
+use crate::http::documents;
+use crate::http::extract::{Name, Named};
+use crate::jobs::{Job, Jobs, Shown, Submitting, Work, read_part};
+use crate::resource::change::to_the_end;
+use crate::resource::etag;
+use crate::resource::failure::{self, Failure};
+use crate::store::{JobId, Kind, Part};
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{Response, sse};
+use serde::Serialize;
+use std::collections::HashMap;
+use std::fmt::Display;
+use std::str::FromStr;
+use std::sync::Arc;
+use umwelt_api::page::Unreadable;
+use umwelt_api::problem::{Detail, Problems, Status, reason};
+use umwelt_api::{IdempotencyKey, InvalidId};
+
+/// A kind of job as the wire has it.
+pub(crate) trait Resource: Work {
+    /// What names one.
+    type Id: FromStr<Err = InvalidId> + AsRef<str> + Send;
+    /// A job.
+    type Wire: Serialize;
+
+    /// All of the kind.
+    fn jobs(app: &App) -> &Jobs<Self>;
+
+    /// As the wire has it.
+    fn wire(job: &Job<Self>) -> Self::Wire;
+
+    /// The same in a list.
+    fn listed(job: &Job<Self>) -> Self::Wire {
+        Self::wire(job)
+    }
+
+    /// A page of a list.
+    fn page(
+        jobs: Vec<Self::Wire>,
+        unreadable: Vec<Unreadable>,
+        next_page_token: Option<String>,
+    ) -> impl Serialize;
+
+    /// Where it stands, as an event.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error>;
+
+    /// What is to be told before that to somebody who was told `told`, each with what has been told then; none where it
+    /// cannot be had.
+    fn news(
+        _app: &App,
+        _job: &Job<Self>,
+        _shown: &Shown<Self>,
+        _told: u64,
+    ) -> impl Future<Output = Option<Vec<(u64, Result<sse::Event, axum::Error>)>>> + Send {
+        std::future::ready(Some(Vec::new()))
+    }
+}
+
+pub(crate) async fn get<W: Resource>(Named(job): Named<W>) -> Response {
+    answer::json(StatusCode::OK, &W::wire(&job))
+}
+
+pub(crate) async fn list<W: Resource>(
+    State(app): State<App>,
+    query: Query<page::Jobs<W>>,
+) -> Response {
+    let jobs = W::jobs(&app).below(query.after).into_iter();
+    let is_listed = |job: &Arc<Job<W>>| query.state.is_none_or(|state| state == job.state().into());
+    let found = jobs.filter(is_listed).take(query.size + 1).collect();
+    let (page, next_page_token) =
+        page::cut(found, query.size, |job: &Arc<Job<W>>| job.id().number.to_string());
+    let jobs = page.iter().map(|job| W::listed(job)).collect();
+    let last = next_page_token.as_ref().and_then(|last| last.parse::<u64>().ok());
+    let is_listed = |name: &str| {
+        let number = name.rsplit('-').next().and_then(|number| number.parse::<u64>().ok());
+        number.is_none_or(|number| {
+            query.after.is_none_or(|before| number < before) && last.is_none_or(|it| number >= it)
+        })
+    };
+    let is_whole = query.state.is_none();
+    let unreadable = app.unreadable.page(Kind::Job(W::KIND), |name| is_whole && is_listed(name));
+    answer::json(StatusCode::OK, &W::page(jobs, unreadable, next_page_token))
+}
+
+pub(crate) async fn cancel<W: Resource>(State(app): State<App>, Named(job): Named<W>) -> Result {
+    to_the_end(async move {
+        W::jobs(&app).cancel(&job).await?;
+        Ok(answer::json(StatusCode::OK, &W::wire(&job)))
+    })
+    .await
+}
+
+pub(crate) async fn delete<W: Resource>(State(app): State<App>, Name(id): Name<W>) -> Result {
+    to_the_end(async move {
+        let (jobs, kind, name) = (W::jobs(&app), Kind::Job(W::KIND), id.as_ref());
+        if let Some(job) = jobs.find(name) {
+            jobs.delete(&job).await?;
+            return Ok(answer::nothing());
+        }
+        if app.unreadable.find(kind, name).is_none() {
+            return Err(failure::no_such(kind.name(), name));
+        }
+        jobs.give_up(name).await?;
+        app.unreadable.remove(kind, name);
+        Ok(answer::nothing())
+    })
+    .await
+}
+
+/// A job that was submitted, now or before.
+pub(super) fn submitted<W: Resource>(code: StatusCode, job: &Job<W>) -> Response {
+    let mut response = answer::json(code, &W::wire(job));
+    if let Ok(location) = HeaderValue::from_str(&format!("/v1/{}s/{}", W::KIND, job.id())) {
+        response.headers_mut().insert(header::LOCATION, location);
+    }
+    response
+}
+
+/// What `of` makes of the parts that are kept, from index `from` on, at most `limit`; off the async threads, since there
+/// may be some MB of them.
+pub(super) async fn parts<W: Work, T: Send + 'static>(
+    app: &App,
+    job: &Job<W>,
+    from: usize,
+    limit: usize,
+    of: impl Fn(&W::Part) -> T + Send + 'static,
+) -> Result<Vec<T>, Failure> {
+    let id = job.id();
+    let kept = app.keeper.parts(id, from, limit).await?;
+    let read = move || kept.iter().map(|part| Ok(of(&read::<W>(id, part)?))).collect();
+    tokio::task::spawn_blocking(read).await.map_err(|error| failure::broken(&error))?
+}
+
+fn read<W: Work>(id: JobId, part: &Part) -> Result<W::Part, Failure> {
+    read_part(&part.body).map_err(|error| {
+        Failure::new(Status::DataLoss, format!("part {} of {id}: {error}", part.index))
+    })
+}
+
+/// What is made of all parts of a job that are kept, and for whom.
+pub(super) struct Made<'a, W: Resource> {
+    pub(super) app: &'a App,
+    pub(super) job: &'a Arc<Job<W>>,
+    pub(super) headers: &'a HeaderMap,
+    pub(super) media_type: &'static str,
+    /// Which document of the job it is.
+    pub(super) what: &'static str,
+    /// How many parts there are.
+    pub(super) state: u64,
+}
+
+impl<W: Resource> Made<'_, W> {
+    /// A document that `make` makes of the parts, now or before.
+    pub(super) async fn of_parts<E: Display>(
+        self,
+        make: impl FnOnce(&Job<W>, &[W::Part]) -> Result<String, E> + Send + 'static,
+    ) -> Result {
+        let (keeper, job, id) = (self.app.keeper.clone(), Arc::clone(self.job), self.job.id());
+        let kept = async move { keeper.parts(id, 0, usize::MAX).await };
+        let make = move |kept: Vec<Part>| {
+            let parts: Result<Vec<_>, _> = kept.iter().map(|part| read::<W>(id, part)).collect();
+            make(&job, &parts?).map_err(|error| failure::internal(error.to_string()))
+        };
+        let name = documents::Name { job: id, what: self.what, state: self.state };
+        let document = self.app.documents.get(name, self.media_type, kept, make).await?;
+        Ok(document.answer(self.headers))
+    }
+}
+
+/// The figure of a path, one of those that `named` knows.
+pub(super) fn figure<F>(
+    path: &HashMap<String, String>,
+    named: impl Fn(&str) -> Option<F>,
+    known: &[&str],
+) -> Result<F, Failure> {
+    let name = path.get("figure").map(String::as_str).unwrap_or_default();
+    named(name).ok_or_else(|| {
+        let known = format!("known: {}", known.join(", "));
+        let detail = Detail::new(reason::NO_SUCH_RESOURCE, "figure", name, known);
+        Failure::new(Status::NotFound, "there is no such figure").with(detail)
+    })
+}
+
+/// The job that was submitted before with this key and request, if any.
+pub(super) fn repeated<W: Resource>(
+    submitting: &Submitting<'_, W>,
+    key: Option<&IdempotencyKey>,
+    request: Result<impl Serialize, Problems>,
+) -> Result<Option<Response>, Failure> {
+    let (Some(key), Ok(request)) = (key, request) else { return Ok(None) };
+    let job = submitting.repeated(key, &etag::of(&request))?;
+    Ok(job.map(|job| submitted(StatusCode::OK, &job)))
+}
+
+/// The key under which something is submitted.
+pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<IdempotencyKey>, Failure> {
+    let mut values = headers.get_all(IdempotencyKey::HEADER).iter();
+    let Some(value) = values.next() else { return Ok(None) };
+    if values.next().is_some() {
+        let detail = Detail::new(reason::MALFORMED, IdempotencyKey::HEADER, (), "send one key");
+        return Err(Problems::from(detail).into());
+    }
+    let key = String::from_utf8_lossy(value.as_bytes()).parse::<IdempotencyKey>();
+    Ok(Some(key.map_err(Problems::from)?))
+}

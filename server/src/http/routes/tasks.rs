@@ -1,0 +1,42 @@
+//! Tasks: set, shown with their progress, cancelled.
+
+use super::robots::code;
+use crate::fleet::robot::Robot;
+use crate::http::answer;
+use crate::http::answer::Result;
+use crate::http::app::App;
+use crate::http::extract::{Body, Known};
+use crate::resource::condition::Condition;
+use crate::resource::failure::no_task;
+use axum::extract::State;
+use axum::http::StatusCode;
+use umwelt_api::task::{self, Spec};
+
+pub(crate) async fn put(
+    State(app): State<App>,
+    Known(robot): Known,
+    condition: Condition,
+    Body(body): Body<{ task::MAX_BODY }>,
+) -> Result {
+    let task = Spec::read(&body)?.to_core()?;
+    let put = app.fleet.put_task(robot.clone(), task, condition).await?;
+    show(&robot, code(put))
+}
+
+pub(crate) async fn get(Known(robot): Known) -> Result {
+    show(&robot, StatusCode::OK)
+}
+
+pub(crate) async fn delete(
+    State(app): State<App>,
+    Known(robot): Known,
+    condition: Condition,
+) -> Result {
+    app.fleet.delete_task(robot, condition).await?;
+    Ok(answer::nothing())
+}
+
+fn show(robot: &Robot, code: StatusCode) -> Result {
+    let task = robot.snapshot().task(robot.id()).ok_or_else(|| no_task(robot.id()))?;
+    Ok(answer::versioned(code, &task.etag, &task))
+}
