@@ -6,11 +6,11 @@ use criterion::{BatchSize, Criterion, SamplingMode, Throughput, criterion_group,
 use std::hint::black_box;
 use std::time::Duration;
 use thesis::{cycles, run, scenario};
-use umwelt_core::settings::{PoseNoise, PredictorKind};
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Pose, Twist};
 use umwelt_core::horizon::SLOT;
 use umwelt_core::prediction::{Agents, ChannelModel, ErrorModel, Moments, Motion};
+use umwelt_core::settings::{PoseNoise, PredictorKind};
 
 const AGENTS: [usize; 3] = [100, 1000, 10_000];
 

@@ -6,12 +6,12 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use umwelt_core::settings::{PoseNoise, Settings};
-use umwelt_core::task::Task;
 use umwelt_core::episode::{Scenario, TIME_LIMIT};
 use umwelt_core::geometry::Pose;
 use umwelt_core::link::{LinkModel, PRESETS};
 use umwelt_core::plant::{PlantModel, SLIP_PRESETS, Slip};
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);

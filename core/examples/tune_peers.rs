@@ -11,12 +11,12 @@ use std::time::Instant;
 use umwelt_core::comparison::ComparisonSettings;
 use umwelt_core::controller::Controller;
 use umwelt_core::controller::compensation::Compensation;
-use umwelt_core::settings::{Attribution, Settings};
 use umwelt_core::episode::{EpisodeError, Scenario};
 use umwelt_core::peers::{
     EkfPacket, EkfTuning, GpMpc, GpMpcTuning, GpTuning, MpcTuning, NoCompensation, SlidingMode,
     SlidingTuning, StaleTuning, StopWhenStale, heedless,
 };
+use umwelt_core::settings::{Attribution, Settings};
 
 /// Seeds of tuning begin here: comparisons draw theirs from all 64 bits, everything else counts from zero.
 const FIRST_SEED: u64 = 1_000_000;

@@ -1,12 +1,12 @@
 //! A control cycle allocates nothing: an episode of twice the length allocates as often.
 
 use allocation_counter::measure;
-use umwelt_core::settings::{PoseNoise, Settings};
-use umwelt_core::task::Task;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Point, Pose};
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::{PlantModel, Slip};
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 
 /// Allocations of an episode that its time limit ends.
 fn allocations(link: &str, slots: usize, time_limit: f64) -> u64 {

@@ -1,12 +1,12 @@
 //! The episode that the benches run: the thesis's task on a hard floor, seen by a camera.
 
-use umwelt_core::settings::{PoseNoise, PredictorKind, Settings};
-use umwelt_core::task::Task;
 use umwelt_core::episode::{Scenario, TIME_LIMIT};
 use umwelt_core::geometry::Pose;
 use umwelt_core::horizon::SLOT;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::{PlantModel, Slip};
+use umwelt_core::settings::{PoseNoise, PredictorKind, Settings};
+use umwelt_core::task::Task;
 
 /// Seeds per measurement: episodes differ in length and in what the link does.
 pub const SEEDS: u64 = 4;

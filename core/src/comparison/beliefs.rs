@@ -8,8 +8,6 @@
 use super::witness::{Coverage, Witness};
 use crate::conjugate::NormalInverseChiSquared;
 use crate::controller::Controller;
-use crate::settings::{Attribution, Method, PoseNoise, Prior, Settings};
-use crate::task::Task;
 use crate::episode::{EpisodeError, Scenario};
 use crate::geometry::{Point, Pose};
 use crate::identification::estimate::{Channel, LEVEL};
@@ -17,6 +15,8 @@ use crate::kinematics::Drive;
 use crate::link::LinkModel;
 use crate::plant::{PlantModel, Slip, SlipChannel};
 use crate::seeds::{self, Purpose};
+use crate::settings::{Attribution, Method, PoseNoise, Prior, Settings};
+use crate::task::Task;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 

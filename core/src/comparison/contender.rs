@@ -7,10 +7,10 @@ use super::witness::{Errors, Oracle, Witness};
 use crate::conjugate::SampleStatistics;
 use crate::controller::Controller;
 use crate::controller::compensation::Compensation;
-use crate::settings::{Attribution, Method, Prior, Settings};
 use crate::episode::{Outcome, Scenario};
 use crate::identification::estimate::Channel;
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
+use crate::settings::{Attribution, Method, Prior, Settings};
 use serde::{Deserialize, Serialize};
 
 /// Time in s that an episode may take beyond the limit: the calibration takes about 20 s at full speed.

@@ -4,13 +4,13 @@
 
 use super::contender;
 use super::settings::ComparisonSettings;
-use crate::settings::{PoseNoise, Settings};
-use crate::task::Task;
 use crate::episode::Region;
 use crate::geometry::{Point, Pose};
 use crate::kinematics::Drive;
 use crate::link::{LinkModel, Outage};
 use crate::plant::{PlantModel, Slip, SlipChannel};
+use crate::settings::{PoseNoise, Settings};
+use crate::task::Task;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 

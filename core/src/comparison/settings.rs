@@ -2,13 +2,13 @@
 
 use super::contender::Contender;
 use super::scenario::Environment;
-use crate::settings::Settings;
-use crate::task::Task;
 use crate::episode::Scenario;
 use crate::geometry::Pose;
 use crate::horizon::MAX_SLOTS;
 use crate::link::LinkError;
 use crate::plant::PlantError;
+use crate::settings::Settings;
+use crate::task::Task;
 use serde::{Deserialize, Serialize};
 
 /// Most contenders of one comparison.

@@ -52,12 +52,12 @@ pub use settings::{
 };
 
 use crate::conjugate::SampleStatistics;
-use crate::settings::{Method, PoseNoise, Prior, Settings};
 use crate::episode::Scenario;
 use crate::geometry::Pose;
 use crate::identification::estimate::Channel;
 use crate::plant::PlantModel;
 use crate::seeds::{self, Purpose};
+use crate::settings::{Method, PoseNoise, Prior, Settings};
 use cma_es::CmaEs;
 use genome::Genome;
 use report::Driven;

@@ -2,9 +2,9 @@
 
 use super::environment::{FitnessLimits, TrainingEnvironment};
 use super::genetic::GeneticSettings;
+use crate::link::{Link, LinkError};
 use crate::settings::{PoseNoise, Settings};
 use crate::task::Task;
-use crate::link::{Link, LinkError};
 use serde::{Deserialize, Serialize};
 
 /// Most environments of one evolution.

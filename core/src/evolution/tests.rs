@@ -1,8 +1,8 @@
 //! The whole of an evolution: what it says, and that nobody can tell how it was run.
 
 use super::*;
-use crate::task::Task;
 use crate::geometry::Point;
+use crate::task::Task;
 use std::collections::BTreeSet;
 
 /// Small enough to run in a test, with a task of a single leg.

@@ -18,11 +18,11 @@
 
 use super::heedless;
 use crate::controller::compensation::Compensation;
-use crate::settings::{Attribution, Settings};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose};
 use crate::identification::Belief;
 use crate::prediction::{ERROR_WINDOW, ErrorModel};
+use crate::settings::{Attribution, Settings};
 use nalgebra::{Matrix3, Vector3};
 
 /// Noise of the motion that the filter reckons with. Shares are standard deviations over 100 ms at constant speed.
@@ -150,9 +150,9 @@ impl Compensation for EkfPacket {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::PoseNoise;
     use crate::controller::{BELIEVED_AGAIN, Controller};
     use crate::exchange::Request;
+    use crate::settings::PoseNoise;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;

@@ -5,13 +5,13 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 use std::collections::VecDeque;
 use umwelt_core::actuation::Actuation;
-use umwelt_core::settings::Settings;
-use umwelt_core::task::{Stage, Task};
 use umwelt_core::controller::{Controller, Event};
 use umwelt_core::exchange::{Exchange, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, Twist, WheelSpeeds};
 use umwelt_core::horizon::Horizon;
 use umwelt_core::kinematics::{self, Drive};
+use umwelt_core::settings::Settings;
+use umwelt_core::task::{Stage, Task};
 use umwelt_core::watch::{Alarm, Condition};
 
 /// Steps of the simulation in s.

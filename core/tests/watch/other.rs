@@ -2,11 +2,11 @@
 
 use super::harness::{Floor, Run, Show, Wheels, World, amr, burger, mini, rover};
 use super::{blocked, dead_band};
-use umwelt_core::task::{Limit, Stage, Task};
 use umwelt_core::controller::{Controller, Event, Saved};
 use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::identification::estimate::Channel;
+use umwelt_core::task::{Limit, Stage, Task};
 use umwelt_core::watch::{Alarm, Condition, Oddity};
 
 #[test]

@@ -19,12 +19,12 @@ fn ordinary_driving_raises_no_alarm() {
 #[test]
 fn bad_links_are_no_fault_of_the_robot() {
     use umwelt_core::controller::Controller;
-    use umwelt_core::settings::{PoseNoise, Settings};
-    use umwelt_core::task::Task;
     use umwelt_core::episode::{Scenario, TIME_LIMIT};
     use umwelt_core::geometry::Pose;
     use umwelt_core::link::LinkModel;
     use umwelt_core::plant::{PlantModel, Slip};
+    use umwelt_core::settings::{PoseNoise, Settings};
+    use umwelt_core::task::Task;
 
     for (link, slots, seeds) in
         [("bad", 1, 300..400), ("bad", 20, 340..360), ("wifi-bursty", 1, 0..60)]

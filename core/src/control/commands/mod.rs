@@ -1,11 +1,11 @@
 //! The commands in flight: which wheel speeds are in force at a time, as sent and as reported played.
 
 use crate::actuation::Playing;
-use crate::settings::Attribution;
 use crate::geometry::WheelSpeeds;
 use crate::geometry::elementary::least;
 use crate::horizon::{Horizon, MAX_SLOTS, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
+use crate::settings::Attribution;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 

@@ -5,11 +5,11 @@
 //! that methods are compared in these decisions alone. [`Identified`], the controller of the thesis and of the server,
 //! takes every default; the peers of [`crate::peers`] take their own.
 
-use crate::settings::Settings;
 use crate::exchange::{Delivery, Observation};
 use crate::geometry::{Displacement, Point, Pose, Twist};
 use crate::identification::{Belief, Samples};
 use crate::prediction::{ErrorModel, Prediction};
+use crate::settings::Settings;
 
 /// Longest time in s that a pose is predicted ahead; beyond it the robot rests until a fresh pose comes.
 const MAX_AHEAD: f64 = 2.0;

@@ -20,6 +20,8 @@ use crate::geometry::{Point, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Environment;
 use crate::identification::{Belief, ChannelBelief, Window};
+use crate::settings::Settings;
+use crate::task::{Limit, Progress, Stage, Task};
 use crate::watch::{Alarm, Watch};
 use arrayvec::ArrayVec;
 use compensation::{Compensation, Identified};
@@ -29,8 +31,6 @@ use plan::{Phase, Phases};
 use record::Record;
 pub use saved::Saved;
 use serde::{Deserialize, Serialize};
-use crate::settings::Settings;
-use crate::task::{Limit, Progress, Stage, Task};
 
 /// Version of the stored state; a state of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;

@@ -66,9 +66,9 @@ fn has_moved(kept: NormalInverseChiSquared, now: NormalInverseChiSquared) -> boo
 mod tests {
     use super::*;
     use crate::controller::Controller;
+    use crate::exchange::{Delivery, Request};
     use crate::settings::Settings;
     use crate::task::Task;
-    use crate::exchange::{Delivery, Request};
 
     fn deliver(controller: &mut Controller, from: u64, to: u64) {
         for sequence in from..to {

@@ -2,12 +2,12 @@
 
 use super::compensation::Compensation;
 use super::plan::{Phase, REST_SLOTS};
-use crate::settings::{Attribution, Settings};
 use super::{BELIEVED_AGAIN, Controller, Doubt, Event, Events, Track};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::identification::{Verdict, Window};
 use crate::kinematics;
+use crate::settings::{Attribution, Settings};
 
 /// A gap between poses in s, beyond which a window of motion begins anew.
 const MAX_GAP: f64 = 0.5;

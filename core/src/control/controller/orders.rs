@@ -5,10 +5,10 @@ use super::compensation::Compensation;
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
-use crate::settings::Settings;
-use crate::task::Task;
 use crate::identification::Belief;
 use crate::local::LocalLimits;
+use crate::settings::Settings;
+use crate::task::Task;
 
 impl<C: Compensation> Controller<C> {
     /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.

@@ -2,8 +2,6 @@
 
 use super::compensation::Compensation;
 use super::plan::{self, REST_SLOTS, Start};
-use crate::settings::{PredictorKind, Settings};
-use crate::task::Limit;
 use super::{Controller, Track};
 use crate::exchange::Request;
 use crate::geometry::WheelSpeeds;
@@ -11,6 +9,8 @@ use crate::geometry::elementary::least;
 use crate::horizon::{Horizon, MAX_WATCHDOG};
 use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
+use crate::settings::{PredictorKind, Settings};
+use crate::task::Limit;
 
 /// A pose at most this old in s, beyond the loop delay, is fresh.
 const FRESH: f64 = 0.15;

@@ -2,10 +2,10 @@
 
 use super::Event;
 use super::plan::Phase;
-use crate::task::{Progress, Stage, Task};
 use crate::exchange::Observation;
 use crate::geometry::Point;
 use crate::horizon::SLOT;
+use crate::task::{Progress, Stage, Task};
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 

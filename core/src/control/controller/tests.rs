@@ -1,11 +1,11 @@
 use super::*;
 use crate::conjugate::NormalInverseChiSquared;
-use crate::settings::{Method, Prior};
 use crate::exchange::Delivery;
 use crate::geometry::{Pose, Twist};
 use crate::kinematics;
 use crate::local::LocalLimits;
 use crate::prediction::Motion;
+use crate::settings::{Method, Prior};
 use proptest::prelude::*;
 
 fn request(sequence: u64, sent: f64, poses: &[(f64, Pose)]) -> Request {

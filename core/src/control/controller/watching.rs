@@ -2,8 +2,6 @@
 
 use super::compensation::Compensation;
 use super::plan::Phase;
-use crate::settings::{Attribution, Settings};
-use crate::task::{Limit, Task};
 use super::{Controller, Event, Events};
 use crate::commands::Commands;
 use crate::exchange::Observation;
@@ -11,6 +9,8 @@ use crate::geometry::{Displacement, Pose, Twist, length};
 use crate::identification::estimate::Channel;
 use crate::identification::{Belief, Window};
 use crate::kinematics;
+use crate::settings::{Attribution, Settings};
+use crate::task::{Limit, Task};
 use crate::watch::{Alarm, Finding, Goal, Oddity, Situation, Step};
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,13 +1,13 @@
 //! The two fixed error models of the thesis: measured once, never updated.
 
 use super::estimate::Channel;
-use crate::settings::{Method, PoseNoise, Settings};
-use crate::task::Task;
 use crate::episode::{EpisodeError, Scenario};
 use crate::geometry::{Point, Pose};
 use crate::link::LinkModel;
 use crate::plant::{PlantModel, Slip};
 use crate::prediction::ChannelModel;
+use crate::settings::{Method, PoseNoise, Settings};
+use crate::task::Task;
 
 /// Mean and variance of each channel's ratio over 100 ms, in the order of `Channel::ALL`.
 pub type FixedModel = [(f64, f64); 4];

@@ -15,8 +15,8 @@ pub use link::LinkBelief;
 pub use prior::{BUILT_IN_PRIORS, about_built_in};
 pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};
 
-use crate::settings::{Method, Prior};
 use crate::prediction::{ChannelModel, ErrorModel};
+use crate::settings::{Method, Prior};
 use estimate::{Channel, Environment};
 use serde::{Deserialize, Serialize};
 

@@ -1,12 +1,12 @@
 //! Windows of motion: where the robot went, compared with where its commands should have taken it.
 
-use crate::settings::PoseNoise;
 use crate::exchange::Observation;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Twist};
 use crate::horizon::SLOT;
 use crate::kinematics::{self, Drive};
 use crate::prediction::{ERROR_WINDOW, Motion};
+use crate::settings::PoseNoise;
 use serde::{Deserialize, Serialize};
 
 /// Shortest window in slots: the first whole number of 30 ms slots above the thesis's 100 ms.

@@ -22,11 +22,11 @@ pub use shooting::MpcTuning;
 
 use super::heedless;
 use crate::controller::compensation::{Compensation, Way};
-use crate::settings::{Attribution, PoseNoise, Settings};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, Twist};
 use crate::identification::Belief;
 use crate::prediction::{ErrorModel, Prediction};
+use crate::settings::{Attribution, PoseNoise, Settings};
 
 /// A gap between poses in s, beyond which the history begins anew: what was there before says nothing of now.
 const MAX_GAP: f64 = 0.5;

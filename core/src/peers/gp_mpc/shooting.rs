@@ -1,11 +1,11 @@
 //! A short model predictive controller that shoots: turns in two pieces, tried out on the kinematic model.
 
 use crate::controller::compensation::Way;
-use crate::settings::Settings;
 use crate::geometry::elementary::{least, most, sin_cos};
 use crate::geometry::{Twist, length};
 use crate::kinematics::Drive;
 use crate::peers::line::Line;
+use crate::settings::Settings;
 use crate::steering;
 
 /// Steps of a shot.

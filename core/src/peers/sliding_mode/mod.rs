@@ -30,13 +30,13 @@ pub use chain::DelayChain;
 use super::heedless;
 use super::line::Line;
 use crate::controller::compensation::{Compensation, Way};
-use crate::settings::{Attribution, Settings};
 use crate::exchange::Delivery;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Pose, Twist};
 use crate::identification::Belief;
 use crate::kinematics::Drive;
 use crate::prediction::ErrorModel;
+use crate::settings::{Attribution, Settings};
 
 /// Constants of chain and law.
 #[derive(Clone, Copy, Debug, PartialEq)]

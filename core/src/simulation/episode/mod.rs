@@ -5,8 +5,6 @@
 
 use crate::actuation::Actuation;
 use crate::controller::compensation::Compensation;
-use crate::settings::Settings;
-use crate::task::{Stage, Task};
 use crate::controller::{Controller, Events};
 use crate::exchange::{Exchange, Observation, Request};
 use crate::geometry::elementary::{least, most};
@@ -14,6 +12,8 @@ use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel, Slip};
+use crate::settings::Settings;
+use crate::task::{Stage, Task};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 

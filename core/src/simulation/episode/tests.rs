@@ -1,10 +1,10 @@
 use super::*;
-use crate::settings::{Attribution, Method, PoseNoise, PredictorKind};
 use crate::geometry::Twist;
 use crate::identification::estimate::{Channel, Environment};
 use crate::kinematics;
 use crate::link::{LatePackets, Outage, PRESETS, Rtt};
 use crate::plant::Slip;
+use crate::settings::{Attribution, Method, PoseNoise, PredictorKind};
 
 /// The thesis's round trip with a real camera on `floor`, `slots` per horizon.
 fn scenario(link: LinkModel, floor: Slip, slots: usize) -> Scenario {

@@ -1,13 +1,13 @@
 use crate::actuation::Actuation;
 use crate::controller::Controller;
-use crate::settings::{Attribution, Method, Settings};
-use crate::task::{Stage, Task};
 use crate::exchange::{Exchange, Observation, PoseNoise, Request};
 use crate::geometry::{Point, Pose, Twist, WheelSpeeds};
 use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::Drive;
 use crate::local::LocalLimits;
 use crate::plant::{Plant, PlantModel, Slip};
+use crate::settings::{Attribution, Method, Settings};
+use crate::task::{Stage, Task};
 use std::collections::VecDeque;
 
 /// Delays in s of the camera, and of the link each way.

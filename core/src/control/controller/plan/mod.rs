@@ -1,13 +1,13 @@
 //! The plan: the whole task rolled forward on the predicted pose, one slot at a time, transitions included.
 
 use super::compensation::{Compensation, Way};
-use crate::settings::Settings;
-use crate::task::{Limit, Stage, Task};
 use crate::geometry::{Displacement, Point, Pose, Twist, WheelSpeeds, length};
 use crate::horizon::MAX_SLOTS;
 use crate::kinematics;
 use crate::prediction::{ErrorModel, Motion, Prediction};
+use crate::settings::Settings;
 use crate::steering;
+use crate::task::{Limit, Stage, Task};
 use crate::watch::Floors;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};

@@ -3,9 +3,9 @@
 use super::Controller;
 use super::plan::Phase;
 use super::record::Record;
+use crate::identification::Belief;
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
-use crate::identification::Belief;
 use crate::watch::{Kept, Watch};
 use serde::{Deserialize, Serialize};
 

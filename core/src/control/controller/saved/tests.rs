@@ -1,10 +1,10 @@
 use super::*;
 use crate::controller::Event;
-use crate::settings::{Method, Prior};
 use crate::exchange::{Observation, Request};
 use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::kinematics;
+use crate::settings::{Method, Prior};
 
 /// Slots from a pose being taken to the request that carries it.
 const SENSOR: usize = 4;
