@@ -1,9 +1,11 @@
 //! The thesis's prediction by Monte Carlo (its section 4.1.3): agents with random errors, counted in cells.
 
-use super::{ChannelModel, ERROR_WINDOW, ErrorModel, Motion, Spread};
-use crate::settings::PoseNoise;
+use super::model::{ChannelModel, ERROR_WINDOW, ErrorModel};
+use super::motion::Motion;
+use super::spread::Spread;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Pose};
+use crate::settings::PoseNoise;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{ChiSquared, StandardNormal};
 use rand_pcg::Pcg64Mcg;

@@ -1,6 +1,6 @@
 //! Pieces of commanded motion on their way into a prediction: those that are as good as one go in as one.
 
-use super::Motion;
+use super::motion::Motion;
 use crate::geometry::Twist;
 
 /// Longest motion that is gathered, in s.
@@ -69,10 +69,10 @@ impl Pieces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::PoseNoise;
     use crate::geometry::Pose;
     use crate::horizon::SLOT;
     use crate::prediction::{ChannelModel, ErrorModel, Moments};
+    use crate::settings::PoseNoise;
     use proptest::prelude::*;
 
     fn gather(mut pieces: Pieces, twists: &[Twist]) -> Vec<Motion> {

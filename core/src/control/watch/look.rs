@@ -1,12 +1,17 @@
 //! What the watch concludes from the evidence: stuck, against the command, off the path, not as described.
 
+use super::Watch;
+use super::advance::Goal;
+use super::alarm::{Alarm, Compared, Oddity};
 use super::evidence::{Kind, Sums, UNDESCRIBED_DELAY};
+use super::finding::Finding;
 use super::fit::{Fit, Response};
 use super::raise::How;
-use super::{Alarm, Compared, Condition, Finding, Goal, Oddity, Shift, Watch};
-use crate::settings::Settings;
+use super::shift::Shift;
+use crate::control::condition::Condition;
 use crate::exchange::PoseNoise;
 use crate::geometry::Twist;
+use crate::settings::Settings;
 
 /// Time in s of commanded motion after which a robot that was not seen to move is stuck: what is left of 2 s to come to
 /// rest are the sensor's and the link's delay and the ramp.

@@ -1,6 +1,6 @@
 //! Recorded round trips: rows of time and RTT, read from CSV and repeated for ever.
 
-use super::{LONGEST_DELAY, excerpt};
+use super::limits::LONGEST_DELAY;
 use serde::{Deserialize, Serialize};
 
 /// The first line of a trace in CSV.
@@ -241,6 +241,11 @@ fn check_row(
         }
         _ => Ok(()),
     }
+}
+
+/// The first characters of outside text, for an error message.
+fn excerpt(text: &str) -> String {
+    text.chars().take(40).collect()
 }
 
 #[cfg(test)]
