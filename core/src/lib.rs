@@ -22,4 +22,4 @@ pub use control::{
 };
 pub use robot::{actuation, exchange, geometry, horizon, kinematics, local};
 pub(crate) use simulation::draws;
-pub use simulation::{episode, link, plant};
+pub use simulation::{episode, fixed_models, link, plant};
