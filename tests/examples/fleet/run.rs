@@ -10,12 +10,12 @@ use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_agent::{Clock, Config, drive::Sim, transport};
 use umwelt_api::{RobotId, environment::Environment, robot, task};
 use umwelt_client::Client;
-use umwelt_core::settings;
-use umwelt_core::task::Task;
 use umwelt_core::exchange::PoseNoise;
 use umwelt_core::geometry::Pose;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::{PlantModel, Slip};
+use umwelt_core::settings;
+use umwelt_core::task::Task;
 use umwelt_server::Server;
 
 /// The floors, in turn.

@@ -10,8 +10,8 @@
 
 use serde::Serialize;
 use std::collections::BTreeMap;
-use umwelt_core::settings::LOOP_DELAY;
 use umwelt_core::horizon::{SLOT, WATCHDOG};
+use umwelt_core::settings::LOOP_DELAY;
 use umwelt_core::watch::RAISED_FOR;
 
 /// Slots of the horizons that the robots get.

@@ -4,13 +4,13 @@ use crate::ARRIVAL;
 use umwelt_agent::TraceRow;
 use umwelt_api::robot::Spec;
 use umwelt_api::task::Stage;
-use umwelt_core::settings::{PoseNoise, Settings};
-use umwelt_core::task::Task;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Point, Pose};
 use umwelt_core::horizon::SLOT;
 use umwelt_core::link::{LinkModel, Rtt};
 use umwelt_core::plant::{PlantModel, Slip};
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 use umwelt_tests::rover::{Agent, Simulated, id};
 use umwelt_tests::server::Server;
 
