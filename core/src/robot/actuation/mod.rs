@@ -8,6 +8,8 @@ use crate::geometry::{Twist, WheelSpeeds};
 use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use crate::local::LocalLimits;
+use alloc::vec;
+use alloc::vec::Vec;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
