@@ -5,8 +5,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
+use umwelt_core::fixed_models::{ROUND_TRIPS, measure};
 use umwelt_core::identification::estimate::Channel;
-use umwelt_core::identification::fixed::{ROUND_TRIPS, measure};
 use umwelt_core::link::LinkModel;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

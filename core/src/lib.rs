@@ -4,22 +4,83 @@
 //! Architecture invariant: this crate does no I/O, reads no clock, starts no thread and owns no random number
 //! generator. Time and seeds are arguments; the same state and input give the same result, bit for bit.
 //!
-//! The way of one pose: [`exchange`] (the robot's side) -> [`controller`] = [`identification`] -> [`prediction`] ->
-//! [`steering`] -> [`horizon`] -> [`actuation`] (the robot again). [`episode`] closes that loop in simulated time over a
-//! simulated [`link`] and [`plant`].
+//! It has three parts, each of which uses those before it:
+//!
+//! * **The robot's side**: [`exchange`] says which request to send when, [`actuation`] what to play of the replies, within
+//!   what the robot itself allows ([`local`]). Below them [`horizon`], [`kinematics`] and [`geometry`].
+//! * **The controller's side**: [`controller`] answers a request with a horizon. It identifies the environment
+//!   ([`identification`], by [`conjugate`] beliefs), predicts where the robot will be ([`prediction`], along the
+//!   [`commands`] in force), and steers from there ([`steering`]) through a [`task`]; the [`watch`] looks whether the robot
+//!   does as it is told. [`settings`] are what it is told once.
+//! * **The simulation**: a [`plant`] on a floor, a [`link`] that is late and loses packets, and both with the two sides
+//!   above as an [`episode`] in simulated time. [`fixed_models`] measures with it. What drives episodes by the thousand
+//!   is beside it: [`evolution`], [`comparison`], and the [`peers`] that are compared.
+//!
+//! A robot whose link takes no time drives 0.3 m:
+//!
+#![cfg_attr(feature = "controller", doc = "```")]
+#![cfg_attr(not(feature = "controller"), doc = "```ignore")]
+//! use umwelt_core::actuation::Actuation;
+//! use umwelt_core::controller::Controller;
+//! use umwelt_core::exchange::{Exchange, Observation, PoseNoise};
+//! use umwelt_core::geometry::{Point, Pose};
+//! use umwelt_core::plant::{Plant, PlantModel, Slip};
+//! use umwelt_core::settings::Settings;
+//! use umwelt_core::task::Task;
+//!
+//! let (settings, goal) = (Settings::default(), Point::new(0.3, 0.0));
+//! let mut controller = Controller::new(settings);
+//! controller.set_task(Task { waypoints: vec![goal], calibration: None, ..Task::thesis() });
+//! let (mut exchange, mut actuation) = (Exchange::new(0.0), Actuation::new(settings.drive, 0.0));
+//! let model = PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA };
+//! let mut robot = Plant::new(model, Pose::default(), 1)?;
+//! for slot in 0..300 {
+//!     let now = f64::from(slot) * settings.slot;
+//!     exchange.observe(Observation { pose: robot.observe(), taken: now });
+//!     if let Some(request) = exchange.request(now, actuation.playing()) {
+//!         let horizon = controller.step(&request).horizon;
+//!         exchange.reply(now, horizon.answers);
+//!         actuation.accept(&horizon);
+//!     }
+//!     robot.advance(actuation.advance(now), settings.slot);
+//! }
+//! assert!(controller.has_arrived() && robot.pose().point().distance(goal) < 0.01);
+//! # Ok::<(), umwelt_core::plant::PlantError>(())
+//! ```
+//!
+//! # Without the standard library
+//!
+//! With `default-features = false` the crate is the robot's side alone, without the standard library (it needs `alloc`), for
+//! a robot whose agent is a microcontroller. The feature `controller`, on by default, is everything else and needs `std`.
+//! Both play to the last bit the same (`tests/robot_side`): sine, cosine and exponential are this crate's own, but for
+//! angles beyond 10^5 rad.
 
-mod control;
+#![cfg_attr(not(any(feature = "std", test)), no_std)]
+
+extern crate alloc;
+
 mod robot;
-mod simulation;
+pub use robot::{actuation, exchange, geometry, horizon, kinematics, local};
 
-pub mod comparison;
-pub mod evolution;
-pub mod peers;
-mod seeds;
-
+#[cfg(feature = "controller")]
+mod control;
+#[cfg(feature = "controller")]
 pub use control::{
     commands, conjugate, controller, identification, prediction, settings, steering, task, watch,
 };
-pub use robot::{actuation, exchange, geometry, horizon, kinematics, local};
+
+#[cfg(feature = "controller")]
+mod simulation;
+#[cfg(feature = "controller")]
 pub(crate) use simulation::draws;
-pub use simulation::{episode, link, plant};
+#[cfg(feature = "controller")]
+pub use simulation::{episode, fixed_models, link, plant};
+
+#[cfg(feature = "controller")]
+pub mod comparison;
+#[cfg(feature = "controller")]
+pub mod evolution;
+#[cfg(feature = "controller")]
+pub mod peers;
+#[cfg(feature = "controller")]
+mod seeds;

@@ -1,6 +1,7 @@
 //! The controller's side: from poses to a belief about the environment, and from that to wheel speeds.
 
 pub mod commands;
+mod condition;
 pub mod conjugate;
 pub mod controller;
 pub mod identification;

@@ -1,7 +1,7 @@
 //! A task: where to go, and how far it has got.
 
+use super::condition::Condition;
 use crate::geometry::Point;
-use crate::watch::Condition;
 
 /// Most waypoints of one task.
 pub const MAX_WAYPOINTS: usize = 1000;

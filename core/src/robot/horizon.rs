@@ -86,7 +86,7 @@ impl Horizon {
     /// [`MAX_WATCHDOG`]. Whether there was anything to cut.
     pub fn cut(&mut self) -> bool {
         // The tolerance covers rounding where the slots use the longest time to the full.
-        let most = most((MAX_DURATION / self.slot * (1.0 + BOUNDARY)).floor(), 1.0) as usize;
+        let most = most(MAX_DURATION / self.slot * (1.0 + BOUNDARY), 1.0) as usize;
         let is_long = self.slot > MAX_DURATION || self.speeds.len() > most;
         let is_held = self.watchdog > MAX_WATCHDOG;
         if is_long {

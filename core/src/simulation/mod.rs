@@ -2,5 +2,6 @@
 
 pub(crate) mod draws;
 pub mod episode;
+pub mod fixed_models;
 pub mod link;
 pub mod plant;

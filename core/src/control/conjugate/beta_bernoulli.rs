@@ -1,6 +1,6 @@
 //! An event of unknown probability.
 
-use super::ConjugateError;
+use super::error::ConjugateError;
 use super::special::{beta_quantile, ln_beta};
 use serde::{Deserialize, Serialize};
 

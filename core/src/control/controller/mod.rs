@@ -4,6 +4,7 @@
 //! state can be saved and restored; the same state and requests give the same horizons.
 
 pub mod compensation;
+mod event;
 mod heard;
 mod news;
 mod observing;
@@ -22,9 +23,9 @@ use crate::identification::estimate::Environment;
 use crate::identification::{Belief, ChannelBelief, Window};
 use crate::settings::Settings;
 use crate::task::{Limit, Progress, Stage, Task};
-use crate::watch::{Alarm, Watch};
-use arrayvec::ArrayVec;
+use crate::watch::Watch;
 use compensation::{Compensation, Identified};
+pub use event::{Event, Events};
 use heard::{Change, Heard};
 pub use news::GROWTH;
 use plan::{Phase, Phases};
@@ -37,38 +38,6 @@ pub const STATE_VERSION: u32 = 3;
 /// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
 pub const BELIEVED_AGAIN: u32 = 5;
 
-/// Something that happened in a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// A pose was set aside: the robot cannot have moved there.
-    PoseSetAside {
-        /// The pose.
-        observation: Observation,
-        /// Distance in m from where it was predicted.
-        distance: f64,
-    },
-    /// Several consistent poses in a row are believed again.
-    PosesBelievedAgain,
-    /// The calibration is over; the task's time begins.
-    CalibrationEnded,
-    /// The robot was seen at rest at a waypoint.
-    WaypointReached {
-        /// Index of the waypoint.
-        leg: usize,
-    },
-    /// The last waypoint was reached.
-    Arrived,
-    /// The watch found something.
-    Found {
-        /// What.
-        alarm: Alarm,
-        /// Whether the robot rests for it.
-        rests: bool,
-    },
-    /// What the watch had found is over by itself.
-    Over(Alarm),
-}
-
 /// The answer to one request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
@@ -77,9 +46,6 @@ pub struct Output {
     /// What happened.
     pub events: Events,
 }
-
-/// What happens in one step.
-pub type Events = ArrayVec<Event, 8>;
 
 /// What is known of the robot's motion up to its last accepted pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,7 +125,7 @@ impl<C: Compensation> Controller<C> {
 
     /// Answers one request: learns from its reports and poses, and plans the next horizon.
     pub fn step(&mut self, request: &Request) -> Output {
-        let mut events = ArrayVec::new();
+        let mut events = Events::new();
         let horizon = self.answer(request, &mut events).clone();
         Output { horizon, events }
     }

@@ -1,8 +1,9 @@
 //! What a pose teaches: it is believed or set aside, closes windows of motion, and shows how far the task has got.
 
 use super::compensation::Compensation;
+use super::event::{Event, Events};
 use super::plan::{Phase, REST_SLOTS};
-use super::{BELIEVED_AGAIN, Controller, Doubt, Event, Events, Track};
+use super::{BELIEVED_AGAIN, Controller, Doubt, Track};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::identification::{Verdict, Window};

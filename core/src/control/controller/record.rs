@@ -1,12 +1,11 @@
 //! How far a task has got, as observed: waypoints reached, deviation from the leg, time.
 
-use super::Event;
+use super::event::{Event, Events};
 use super::plan::Phase;
 use crate::exchange::Observation;
 use crate::geometry::Point;
 use crate::horizon::SLOT;
 use crate::task::{Progress, Stage, Task};
-use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 /// The record of one task.
@@ -38,7 +37,7 @@ impl Record {
     }
 
     /// The task begins: the robot was seen at rest at `here`. Returns its first phase.
-    pub fn begin(&mut self, task: &Task, here: Point, events: &mut ArrayVec<Event, 8>) -> Phase {
+    pub fn begin(&mut self, task: &Task, here: Point, events: &mut Events) -> Phase {
         self.origin = Some(here);
         let _ = events.try_push(Event::CalibrationEnded);
         let is_there =
@@ -48,7 +47,7 @@ impl Record {
     }
 
     /// The robot was seen at rest at the waypoint to be reached next; what that means if it was the last.
-    fn reach(&mut self, task: &Task, events: &mut ArrayVec<Event, 8>) -> Option<Phase> {
+    fn reach(&mut self, task: &Task, events: &mut Events) -> Option<Phase> {
         let _ = events.try_push(Event::WaypointReached { leg: self.reached });
         self.reached += 1;
         self.left = None;
@@ -78,7 +77,7 @@ impl Record {
         task: &Task,
         observation: &Observation,
         is_there: bool,
-        events: &mut ArrayVec<Event, 8>,
+        events: &mut Events,
     ) -> Option<Phase> {
         let (Some(began), Some((from, to))) = (self.began, self.leg(task)) else { return None };
         if observation.taken < began {

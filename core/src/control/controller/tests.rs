@@ -6,6 +6,7 @@ use crate::kinematics;
 use crate::local::LocalLimits;
 use crate::prediction::Motion;
 use crate::settings::{Method, Prior};
+use arrayvec::ArrayVec;
 use proptest::prelude::*;
 
 fn request(sequence: u64, sent: f64, poses: &[(f64, Pose)]) -> Request {

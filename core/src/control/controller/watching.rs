@@ -1,8 +1,9 @@
 //! How the controller uses the [watch](crate::watch): what it is shown, and what follows from what it finds.
 
+use super::Controller;
 use super::compensation::Compensation;
+use super::event::{Event, Events};
 use super::plan::Phase;
-use super::{Controller, Event, Events};
 use crate::commands::Commands;
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, Twist, length};

@@ -1,6 +1,8 @@
 //! Prediction by moments: mean and covariance in closed form, the means' uncertainty carried along.
 
-use super::{ERROR_WINDOW, ErrorModel, Motion, Spread};
+use super::model::{ERROR_WINDOW, ErrorModel};
+use super::motion::Motion;
+use super::spread::Spread;
 use crate::geometry::Pose;
 use crate::geometry::elementary::{exp, sin_cos, sinc_cos};
 use crate::settings::PoseNoise;

@@ -1,6 +1,8 @@
 //! The thesis's prediction by Monte Carlo (its section 4.1.3): agents with random errors, counted in cells.
 
-use super::{ChannelModel, ERROR_WINDOW, ErrorModel, Motion, Spread};
+use super::model::{ChannelModel, ERROR_WINDOW, ErrorModel};
+use super::motion::Motion;
+use super::spread::Spread;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Pose};
 use crate::settings::PoseNoise;

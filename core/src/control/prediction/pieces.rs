@@ -1,6 +1,6 @@
 //! Pieces of commanded motion on their way into a prediction: those that are as good as one go in as one.
 
-use super::Motion;
+use super::motion::Motion;
 use crate::geometry::Twist;
 
 /// Longest motion that is gathered, in s.

@@ -1,9 +1,14 @@
 //! What the watch concludes from the evidence: stuck, against the command, off the path, not as described.
 
+use super::Watch;
+use super::advance::Goal;
+use super::alarm::{Alarm, Compared, Oddity};
 use super::evidence::{Kind, Sums, UNDESCRIBED_DELAY};
+use super::finding::Finding;
 use super::fit::{Fit, Response};
 use super::raise::How;
-use super::{Alarm, Compared, Condition, Finding, Goal, Oddity, Shift, Watch};
+use super::shift::Shift;
+use crate::control::condition::Condition;
 use crate::exchange::PoseNoise;
 use crate::geometry::Twist;
 use crate::settings::Settings;

@@ -8,6 +8,8 @@ use crate::geometry::{Twist, WheelSpeeds};
 use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use crate::local::LocalLimits;
+use alloc::vec;
+use alloc::vec::Vec;
 use arrayvec::ArrayVec;
 
 /// Most horizons that are held, the playing one included: at the nominal loop delay of 0.23 s and one per slot, eight

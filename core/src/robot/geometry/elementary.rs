@@ -5,12 +5,15 @@
 //! cosine, whose arguments here are angles of a few turns). Kernels: the minimax polynomials of fdlibm (Sun 1993), in
 //! pairs rather than by Horner's rule: what counts is how long the next step waits.
 
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_4, LOG2_E};
+#[cfg(any(feature = "controller", test))]
+use core::f64::consts::FRAC_1_SQRT_2;
+use core::f64::consts::{FRAC_2_PI, FRAC_PI_4, LOG2_E};
 
 /// 1.5 x 2^52: added to a number of moderate size, it leaves the nearest whole number in the last bits of the sum.
 const SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// 2^52: the last bits of a float between it and twice as much are a whole number.
+#[cfg(any(feature = "controller", test))]
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
 /// pi/2 as a number of few digits, whose multiples are exact, and the rest.
@@ -50,11 +53,29 @@ pub(crate) fn most(one: f64, other: f64) -> f64 {
     if one > other { one } else { other }
 }
 
+/// The square root of `x`: the number next to it, with the standard library and without.
+#[inline]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    libm::sqrt(x)
+}
+
+/// Sine and cosine of `x` rad beyond [`LARGEST_ANGLE`]: the C library's, or what stands for it where there is none, whose
+/// last bit may be another.
+fn sin_cos_far(x: f64) -> (f64, f64) {
+    #[cfg(feature = "std")]
+    return x.sin_cos();
+    #[cfg(not(feature = "std"))]
+    libm::sincos(x)
+}
+
 /// Sine and cosine of `x` rad.
 #[inline]
 pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() > LARGEST_ANGLE {
-        return x.sin_cos();
+        return sin_cos_far(x);
     }
     let shifted = x * FRAC_2_PI + SHIFT;
     let (quarters, turns) = (shifted.to_bits(), shifted - SHIFT);
@@ -94,6 +115,7 @@ pub(crate) fn exp(x: f64) -> f64 {
 }
 
 /// ln x for a normal positive x.
+#[cfg(any(feature = "controller", test))]
 #[inline]
 pub(crate) fn ln(x: f64) -> f64 {
     // x = m 2^k with m from sqrt(1/2) to sqrt(2). Bit patterns of floats are in their order, with the exponent in front:

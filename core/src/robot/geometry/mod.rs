@@ -13,9 +13,9 @@
 
 pub(crate) mod elementary;
 
-use elementary::sin_cos;
+use core::f64::consts::{PI, TAU};
+use elementary::{sin_cos, sqrt};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, TAU};
 
 /// A direction in rad, wrapped to (-pi, pi] on construction and nowhere else.
 ///
@@ -39,7 +39,8 @@ impl Angle {
         let wrapped = if radians > -TAU && radians < TAU {
             if radians < 0.0 { radians + TAU } else { radians }
         } else {
-            radians.rem_euclid(TAU)
+            let rest = radians % TAU;
+            if rest < 0.0 { rest + TAU } else { rest }
         };
         Self(if wrapped > PI { wrapped - TAU } else { wrapped })
     }
@@ -67,7 +68,7 @@ impl From<Angle> for f64 {
     }
 }
 
-impl std::ops::Add<f64> for Angle {
+impl core::ops::Add<f64> for Angle {
     type Output = Self;
 
     /// Turns the direction by `turn` rad.
@@ -78,7 +79,7 @@ impl std::ops::Add<f64> for Angle {
 
 /// The length of (x, y), both of ordinary size: no detour around overflow.
 pub(crate) fn length(x: f64, y: f64) -> f64 {
-    (x * x + y * y).sqrt()
+    sqrt(x * x + y * y)
 }
 
 /// A place in the world frame, in m.

@@ -3,6 +3,8 @@
 //! It runs the controller and the actuation that the server and the agent run: a simulated minute and a real minute
 //! over HTTP must agree.
 
+mod on_the_way;
+
 use crate::actuation::Actuation;
 use crate::controller::compensation::Compensation;
 use crate::controller::{Controller, Events};
@@ -14,13 +16,10 @@ use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel, Slip};
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
-use std::collections::VecDeque;
+use on_the_way::{ON_THEIR_WAY, Packets, Queue};
 
 /// Default longest simulated time of an episode in s.
 pub const TIME_LIMIT: f64 = 300.0;
-
-/// Room for packets on their way in one direction; more are on their way in long silences only.
-const ON_THEIR_WAY: usize = 32;
 
 /// Everything that an episode is made of, but its seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -192,14 +191,6 @@ struct Server<C> {
     max_deviation: f64,
 }
 
-/// Packets on their way. They are large: each stays in its place, and places are used again.
-struct Packets<T> {
-    /// Their places.
-    arrivals: Queue<usize>,
-    places: Vec<T>,
-    free: Vec<usize>,
-}
-
 impl<'a, C: Compensation> World<'a, C> {
     fn new(
         scenario: &'a Scenario,
@@ -345,74 +336,6 @@ impl<C: Compensation> Server<C> {
                 self.max_deviation = self.max_deviation.max(self.deviation);
             }
         }
-    }
-}
-
-impl<T: Clone> Packets<T> {
-    /// None yet; `empty` is what a place holds before it is first written.
-    fn new(empty: T) -> Self {
-        Self {
-            arrivals: Queue::with_capacity(ON_THEIR_WAY),
-            places: vec![empty; ON_THEIR_WAY],
-            free: (0..ON_THEIR_WAY).rev().collect(),
-        }
-    }
-
-    /// Where to write the packet that is sent next.
-    fn place(&mut self) -> &mut T {
-        let place = *self.free.last().expect("there always is one");
-        &mut self.places[place]
-    }
-
-    /// Sends what was written, to arrive at `arrival`, behind all that arrives no later.
-    fn send(&mut self, arrival: f64) {
-        let Some(place) = self.free.pop() else { return };
-        if self.free.is_empty() {
-            self.free.push(self.places.len());
-            self.places.push(self.places[place].clone());
-        }
-        self.arrivals.insert(arrival, place);
-    }
-
-    /// Takes out the first of what has arrived by `now`.
-    fn due(&mut self, now: f64) -> Option<&T> {
-        let place = self.arrivals.due(now)?;
-        self.free.push(place);
-        Some(&self.places[place])
-    }
-}
-
-/// What comes at some time, in the order of the times.
-struct Queue<T> {
-    /// When the first comes; never where there is none.
-    first: f64,
-    items: VecDeque<(f64, T)>,
-}
-
-impl<T> Queue<T> {
-    fn with_capacity(capacity: usize) -> Self {
-        Self { first: f64::INFINITY, items: VecDeque::with_capacity(capacity) }
-    }
-
-    /// Puts `item`, which comes at `at`, behind all that come no later.
-    fn insert(&mut self, at: f64, item: T) {
-        let later = self.items.iter().rev().take_while(|(other, _)| *other > at).count();
-        if later == 0 {
-            self.items.push_back((at, item));
-        } else {
-            self.items.insert(self.items.len() - later, (at, item));
-        }
-        self.first = least(self.first, at);
-    }
-
-    /// Takes out the first of what has come by `now`.
-    fn due(&mut self, now: f64) -> Option<T> {
-        if self.first > now {
-            return None;
-        }
-        let (_, item) = self.items.pop_front()?;
-        self.first = self.items.front().map_or(f64::INFINITY, |(at, _)| *at);
-        Some(item)
     }
 }
 

@@ -1,9 +1,7 @@
 //! Which link models mean something.
 
-use super::{
-    LONGEST_DELAY, LatePackets, LinkModel, MAX_LATE_CORRELATION, MAX_OUTAGES, MAX_SILENCE_LOAD,
-    Outage, Rtt, SLOT, Silences,
-};
+use super::limits::{LONGEST_DELAY, MAX_LATE_CORRELATION, MAX_OUTAGES, MAX_SILENCE_LOAD};
+use super::{LatePackets, LinkModel, Outage, Rtt, SLOT, Silences};
 
 /// Why a link model means nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

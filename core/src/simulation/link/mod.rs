@@ -6,28 +6,16 @@
 //! compared under one seed therefore meet the same late slots however much they send.
 
 mod check;
+mod limits;
 mod packets;
 mod trace;
 
 pub use check::LinkError;
+pub use limits::{LONGEST_DELAY, MAX_LATE_CORRELATION, MAX_OUTAGES, MAX_SILENCE_LOAD};
 pub use packets::Link;
 pub use trace::{MAX_TRACE_ROWS, RttTrace, TRACE_HEADER, TraceError, parse_trace};
 
 use crate::horizon::SLOT;
-
-/// Longest delay or silence in s that a model may ask for; five times the worst ever recorded.
-pub const LONGEST_DELAY: f64 = 60.0;
-
-/// Most outages in a model: they are looked up per packet and checked per request.
-pub const MAX_OUTAGES: usize = 1000;
-
-/// Closest to 1 that the slot-to-slot correlation of lateness may come, in magnitude: bursts of 100 slots.
-/// What lasts longer is an outage.
-pub const MAX_LATE_CORRELATION: f64 = 0.99;
-
-/// Greatest expected number of silences at once. Overlapping ones join: at 3 the link is open for 5 % of the time
-/// (e^-3), and much beyond it practically never again.
-pub const MAX_SILENCE_LOAD: f64 = 3.0;
 
 /// From the pose being taken to its being known on the robot, in s: 130 ms, stable (thesis table 1).
 pub const SENSOR_DELAY: f64 = 0.13;
@@ -232,11 +220,6 @@ impl LinkModel {
             Rtt::Trace(_) => None,
         }
     }
-}
-
-/// The first characters of outside text, for an error message.
-fn excerpt(text: &str) -> String {
-    text.chars().take(40).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Recorded round trips: rows of time and RTT, read from CSV and repeated for ever.
 
-use super::{LONGEST_DELAY, excerpt};
+use super::limits::LONGEST_DELAY;
 
 /// The first line of a trace in CSV.
 pub const TRACE_HEADER: &str = "t_s,rtt_ms";
@@ -225,6 +225,11 @@ fn check_row(
         }
         _ => Ok(()),
     }
+}
+
+/// The first characters of outside text, for an error message.
+fn excerpt(text: &str) -> String {
+    text.chars().take(40).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,90 @@
+//! The way to a point: drive, turn, or be there.
+
+use super::super::compensation::{Compensation, Way};
+use super::roll::Roll;
+use crate::geometry::{Point, Twist, length};
+use crate::steering;
+use crate::task::Limit;
+use std::f64::consts::FRAC_PI_2;
+
+/// A parabola that starts with a heading error strays from its chord by this part of error x distance.
+pub(super) const STRAY: f64 = 0.25;
+
+/// What the way to a point asks for.
+pub(super) enum Approach {
+    /// The robot is there, or as near as it gets.
+    Reached,
+    /// The point lies too far off the heading to be driven to.
+    OffHeading,
+    /// Drive, and what limits the speed.
+    Go(Twist, Limit),
+}
+
+impl<C: Compensation> Roll<'_, C> {
+    /// The way to `target`, forward or in reverse, from the pose to which the robot coasts; `from` is where the leg
+    /// begins.
+    pub(super) fn approach(
+        &self,
+        from: Option<Point>,
+        target: Point,
+        reverse: bool,
+        tolerance: f64,
+    ) -> Approach {
+        let (drive, law) = (&self.settings.drive, &self.settings.steering);
+        let pose = self.coasted();
+        let (ahead, aside) = pose.toward(target);
+        let distance = length(ahead, aside);
+        let onward = if reverse { -ahead } else { ahead };
+        let error = heading_error(ahead, aside, reverse).abs();
+        // Far off, or off by so much at so great a distance that the curve would leave the path: as after a silence
+        // in the middle of a turn. Close to the point neither is worth a stop.
+        let strays = error > 2.0 * law.turn_tolerance && STRAY * error * distance > tolerance;
+        let off_heading = error > law.turn_beyond || strays;
+        let passed = onward <= 0.0;
+        let (overrun, _) = self.floors.overrun(drive, self.state.previous);
+        if distance <= law.stop_radius + overrun
+            || (distance <= tolerance && (passed || off_heading))
+        {
+            return Approach::Reached;
+        }
+        if passed || off_heading {
+            return Approach::OffHeading;
+        }
+        let stoppable = steering::stopping_speed(
+            distance - law.stop_radius / 2.0,
+            drive.max_linear_acceleration,
+            self.settings.slot,
+        );
+        let (previous, since_change) = (self.state.previous, self.state.since_change);
+        let speed = stoppable.clamp(self.least.linear, drive.max_linear);
+        let way = Way { pose, previous, from, to: target, reverse, speed, since_change };
+        if let Some(twist) = self.compensation.steer(self.settings, &way) {
+            return Approach::Go(twist, Limit::Waypoint);
+        }
+        let wanted = steering::curve(ahead, aside, law.alpha);
+        let limited = drive.limited(wanted);
+        let speed = limited.linear.abs().min(stoppable).max(self.least.linear);
+        let limit = if speed > limited.linear.abs().min(stoppable) && !self.floors.is_none() {
+            Limit::Watch
+        } else if stoppable < limited.linear.abs() {
+            Limit::Waypoint
+        } else if limited.linear.abs() < wanted.linear.abs() {
+            Limit::Drive
+        } else {
+            Limit::Alpha
+        };
+        // The curve belongs to the speed that is really reached.
+        let forward = Twist::new(speed.copysign(wanted.linear), 0.0);
+        let reached = drive.reach(previous, forward, since_change).linear;
+        let bend = wanted.angular / wanted.linear;
+        let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
+        let limit = if reached.abs() < speed { Limit::Acceleration } else { limit };
+        Approach::Go(Twist::new(reached, angular), limit)
+    }
+}
+
+/// The turn in rad that points the robot, or its tail where it may reverse to what lies behind, at a point.
+pub(super) fn heading_error(ahead: f64, aside: f64, reverse: bool) -> f64 {
+    let error = aside.atan2(ahead);
+    if reverse && error.abs() > FRAC_PI_2 { (-aside).atan2(-ahead) } else { error }
+}

@@ -1,0 +1,207 @@
+//! What each phase of a task wants of the robot, and when the next one begins.
+
+use super::super::compensation::Compensation;
+use super::approach::{Approach, STRAY, heading_error};
+use super::phase::{Phase, REST_SLOTS};
+use super::roll::Roll;
+use crate::geometry::{Displacement, Pose, Twist, length};
+use crate::steering;
+use crate::task::{Limit, Task};
+use std::f64::consts::TAU;
+
+/// A turn smaller than this many rad is never worth making at the start of a leg: the curve takes it.
+const WORTH_TURNING: f64 = 0.02;
+
+/// Beyond this heading error in rad a turn under way keeps its side: half a turn has no shorter one.
+const KEEP_SIDE: f64 = 2.0;
+
+/// Times that differ by less than this many s are the same moment.
+const SAME_TIME: f64 = 1e-6;
+
+impl<C: Compensation> Roll<'_, C> {
+    /// The twist that the task wants now; the phase goes on.
+    pub(super) fn decide(&mut self, task: &Task) -> Twist {
+        // Each pass is a transition that costs no time; a task has a handful in a row at most.
+        for _ in 0..8 {
+            let before = self.state.phase;
+            let desired = match before {
+                Phase::Idle | Phase::Settling | Phase::Arrived => Some(Twist::ZERO),
+                Phase::Calibrating { turn, since } => self.rotate(task, turn, since),
+                Phase::Straight { outbound, origin, since } => {
+                    self.straight(task, outbound, origin, since)
+                }
+                Phase::Turning { leg, side } => self.turn(task, leg, side),
+                Phase::Driving { leg } => self.drive(task, leg),
+                Phase::Stopping { leg, since } => self.rest(task, leg, since),
+            };
+            if let Some(desired) = desired {
+                return desired;
+            }
+        }
+        Twist::ZERO
+    }
+
+    /// Whether `seconds` have passed since `since`.
+    fn has_passed(&self, since: f64, seconds: f64) -> bool {
+        self.state.time - since >= seconds - SAME_TIME
+    }
+
+    fn rotate(&mut self, task: &Task, turn: u32, since: Option<f64>) -> Option<Twist> {
+        let calibration = task.calibration.filter(|calibration| turn < calibration.rotations);
+        let Some(calibration) = calibration else {
+            let goes_straight = task.calibration.is_some_and(|it| it.straight > 0.0);
+            self.state.phase = if goes_straight {
+                let origin = self.predictions[self.now].mean();
+                Phase::Straight { outbound: true, origin, since: None }
+            } else {
+                Phase::Settling
+            };
+            return None;
+        };
+        let since = since.unwrap_or(self.state.time);
+        if self.has_passed(since, calibration.rotate + calibration.pause) {
+            self.state.phase = Phase::Calibrating { turn: turn + 1, since: None };
+            return None;
+        }
+        self.state.phase = Phase::Calibrating { turn, since: Some(since) };
+        if self.has_passed(since, calibration.rotate) {
+            return Some(Twist::ZERO);
+        }
+        let side = if turn.is_multiple_of(2) { 1.0 } else { -1.0 };
+        Some(Twist::new(0.0, side * calibration.angular))
+    }
+
+    fn straight(
+        &mut self,
+        task: &Task,
+        outbound: bool,
+        origin: Pose,
+        since: Option<f64>,
+    ) -> Option<Twist> {
+        let length = task.calibration.map_or(0.0, |calibration| calibration.straight);
+        let ahead = Displacement { forward: length, ..Displacement::default() };
+        let target = if outbound { origin.then(ahead) } else { origin };
+        if since.is_none()
+            && let Approach::Go(twist, limit) =
+                self.approach(None, target.point(), !outbound, task.tolerance)
+        {
+            self.limit = Some(limit);
+            return Some(twist);
+        }
+        let since = since.unwrap_or(self.state.time);
+        if self.rests() && self.has_passed(since, f64::from(REST_SLOTS) * self.settings.slot) {
+            self.state.phase = if outbound {
+                Phase::Straight { outbound: false, origin, since: None }
+            } else {
+                Phase::Settling
+            };
+            return None;
+        }
+        self.state.phase = Phase::Straight { outbound, origin, since: Some(since) };
+        Some(Twist::ZERO)
+    }
+
+    fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {
+        if self.state.previous.linear != 0.0 {
+            return Some(Twist::ZERO);
+        }
+        let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
+        let (ahead, aside) = pose.toward(target);
+        // Where the robot stands on the point, its direction is noise: nothing to turn to.
+        let distance = length(ahead, aside);
+        if distance <= task.tolerance {
+            self.state.phase = Phase::Stopping { leg, since: None };
+            return None;
+        }
+        let error = heading_error(ahead, aside, task.reverse);
+        if side == 0 {
+            // The curve may stray by the stop radius; more is worth a turn in place.
+            let law = &self.settings.steering;
+            let worth = law.stop_radius / (STRAY * distance);
+            let worth = worth.clamp(WORTH_TURNING, law.turn_tolerance.max(WORTH_TURNING));
+            if error.abs() <= worth {
+                self.state.phase = Phase::Driving { leg };
+                return None;
+            }
+            let side = if error > 0.0 { 1 } else { -1 };
+            self.state.phase = Phase::Turning { leg, side };
+            return None;
+        }
+        let direction = f64::from(side);
+        let mut remaining = error * direction;
+        if remaining < -KEEP_SIDE {
+            remaining += TAU;
+        }
+        let (_, overrun) = self.floors.overrun(drive, self.state.previous);
+        // A motor that does not turn slowly cannot turn by little: what the curve can take is left to it.
+        let is_coarse = self.floors.turn.least > 0.0;
+        let left_over = if is_coarse { self.settings.steering.turn_tolerance } else { 0.0 };
+        let least = (drive.min_angular * self.settings.slot / 2.0).max(overrun).max(left_over);
+        if remaining > least {
+            let stoppable = steering::stopping_speed(
+                remaining,
+                drive.max_angular_acceleration,
+                self.settings.slot,
+            );
+            let speed = stoppable.clamp(self.least.angular, drive.max_angular);
+            let is_free = speed >= drive.max_angular;
+            let limit = if is_free { Limit::Drive } else { Limit::Waypoint };
+            self.limit = Some(if speed > stoppable && !self.floors.is_none() {
+                Limit::Watch
+            } else {
+                limit
+            });
+            return Some(Twist::new(0.0, direction * speed));
+        }
+        if !self.rests() {
+            return Some(Twist::ZERO);
+        }
+        self.state.phase = if error.abs() <= self.settings.steering.turn_tolerance {
+            Phase::Driving { leg }
+        } else {
+            Phase::Turning { leg, side: 0 }
+        };
+        None
+    }
+
+    fn drive(&mut self, task: &Task, leg: usize) -> Option<Twist> {
+        let reversing = task.reverse && {
+            let (ahead, _) = self.coasted().toward(task.waypoints[leg]);
+            ahead < 0.0
+        };
+        let from = leg.checked_sub(1).map(|before| task.waypoints[before]);
+        match self.approach(from, task.waypoints[leg], reversing, task.tolerance) {
+            Approach::Go(twist, limit) => {
+                self.limit = Some(limit);
+                Some(twist)
+            }
+            Approach::OffHeading => {
+                self.state.phase = Phase::Turning { leg, side: 0 };
+                None
+            }
+            Approach::Reached => {
+                self.state.phase = Phase::Stopping { leg, since: None };
+                None
+            }
+        }
+    }
+
+    fn rest(&mut self, task: &Task, leg: usize, since: Option<f64>) -> Option<Twist> {
+        if !self.rests() {
+            self.state.phase = Phase::Stopping { leg, since: None };
+            return Some(Twist::ZERO);
+        }
+        let since = since.unwrap_or(self.state.time);
+        if self.has_passed(since, self.state.rest) {
+            let away = self.coasted().point().distance(task.waypoints[leg]) > task.tolerance;
+            let is_last = leg + 1 == task.waypoints.len();
+            if away || !is_last {
+                let leg = if away { leg } else { leg + 1 };
+                self.state.phase = Phase::Turning { leg, side: 0 };
+                return None;
+            }
+        }
+        self.state.phase = Phase::Stopping { leg, since: Some(since) };
+        Some(Twist::ZERO)
+    }
+}

@@ -1,0 +1,81 @@
+//! The phases of a task.
+
+use crate::geometry::Pose;
+use crate::horizon::MAX_SLOTS;
+use crate::task::{Stage, Task};
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+/// Slots at rest before a waypoint counts as reached.
+pub const REST_SLOTS: u32 = 3;
+
+/// Where in its task a robot is. Times are the robot's, so that a new plan may begin at any moment, not only where a
+/// slot of the old one does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Phase {
+    /// No task, or it was cancelled.
+    #[default]
+    Idle,
+    /// Rotating and stopping for the `turn`th time, since `since`.
+    Calibrating { turn: u32, since: Option<f64> },
+    /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
+    Straight { outbound: bool, origin: Pose, since: Option<f64> },
+    /// At rest before the first leg, until the robot has been seen at rest: what it does then is known for certain.
+    Settling,
+    /// Turning toward waypoint `leg`, to the left (+1), to the right (-1) or not yet decided (0).
+    Turning { leg: usize, side: i8 },
+    /// Driving to waypoint `leg`.
+    Driving { leg: usize },
+    /// At waypoint `leg`, at rest since `since`.
+    Stopping { leg: usize, since: Option<f64> },
+    /// At rest at the last waypoint, and seen there.
+    Arrived,
+}
+
+impl Phase {
+    /// The first phase of a task.
+    pub fn first(task: &Task) -> Self {
+        match task.calibration {
+            Some(_) => Self::Calibrating { turn: 0, since: None },
+            None => Self::Settling,
+        }
+    }
+
+    /// The waypoint that the robot is heading for, once its calibration is over.
+    pub fn leg(self) -> Option<usize> {
+        match self {
+            Self::Turning { leg, .. } | Self::Driving { leg } | Self::Stopping { leg, .. } => {
+                Some(leg)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same phase taken up again after a pause of unknown motion.
+    pub fn resumed(self) -> Self {
+        match self {
+            Self::Driving { leg } | Self::Turning { leg, .. } => Self::Turning { leg, side: 0 },
+            Self::Stopping { leg, .. } => Self::Stopping { leg, since: None },
+            Self::Calibrating { turn, .. } => Self::Calibrating { turn, since: None },
+            Self::Straight { outbound, origin, .. } => {
+                Self::Straight { outbound, origin, since: None }
+            }
+            Self::Idle | Self::Settling | Self::Arrived => self,
+        }
+    }
+
+    /// As it is shown.
+    pub fn stage(self) -> Stage {
+        match self {
+            Self::Idle => Stage::Idle,
+            Self::Calibrating { .. } | Self::Straight { .. } => Stage::Calibrating,
+            Self::Turning { .. } => Stage::Turning,
+            Self::Driving { .. } => Stage::Driving,
+            Self::Settling | Self::Stopping { .. } => Stage::Stopping,
+            Self::Arrived => Stage::Arrived,
+        }
+    }
+}
+
+/// The phase at the beginning of each slot of a plan, and at the end of the last: at least two.
+pub type Phases = ArrayVec<Phase, { MAX_SLOTS + 1 }>;

@@ -1,0 +1,75 @@
+//! The layers of a crate, and the imports that point upward in them.
+
+use crate::graph::{Graph, line};
+
+/// The layers of a package from the lowest up. A layer is a list of files, and of folders with a `/` at the end, below
+/// `src`; they may import each other and what is in lower layers. A file belongs to the longest entry that it begins with.
+pub type Layers<'a> = &'a [&'a [&'a str]];
+
+/// The packages whose layers are known, and those.
+pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE)];
+
+const CORE: Layers = &[
+    &["robot/geometry/"],
+    &["robot/kinematics.rs"],
+    &["robot/horizon.rs"],
+    &["robot/"],
+    &["control/conjugate/"],
+    &["control/settings.rs", "control/task.rs", "control/condition.rs"],
+    &["control/commands/"],
+    &["control/prediction/"],
+    &["control/identification/"],
+    &["control/steering.rs"],
+    &["control/watch/"],
+    &["control/controller/"],
+    &["control/mod.rs"],
+    &["simulation/draws.rs"],
+    &["simulation/link/", "simulation/plant/"],
+    &["simulation/episode/"],
+    &["simulation/"],
+    &["seeds.rs"],
+    &["peers/", "evolution/", "comparison/"],
+    &["lib.rs"],
+];
+
+/// The imports from a file by one of a higher layer, one line each.
+pub fn upward(graph: &Graph, layers: Layers) -> Vec<String> {
+    let is_upward = |from, to| match (rank(layers, from), rank(layers, to)) {
+        (Some(from), Some(to)) => from < to,
+        _ => false,
+    };
+    let upward = graph.edges().filter(|(from, to, _)| is_upward(from, to));
+    upward.map(|(from, to, names)| line(from, to, names)).collect()
+}
+
+/// Which layer a file belongs to.
+pub fn rank(layers: Layers, file: &str) -> Option<usize> {
+    let entries = layers.iter().enumerate();
+    let entries = entries.flat_map(|(rank, layer)| layer.iter().map(move |entry| (rank, *entry)));
+    let is_of = |entry: &str| file == entry || (entry.ends_with('/') && file.starts_with(entry));
+    let own = entries.filter(|(_, entry)| is_of(entry));
+    own.max_by_key(|(_, entry)| entry.len()).map(|(rank, _)| rank)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MADE_UP: Layers = &[&["a/low.rs"], &["a/"], &["b.rs", "c.rs"]];
+
+    #[test]
+    fn a_file_belongs_to_the_longest_entry() {
+        let rank = |file| rank(MADE_UP, file);
+        assert_eq!([rank("a/low.rs"), rank("a/mod.rs"), rank("c.rs")], [Some(0), Some(1), Some(2)]);
+        assert_eq!([rank("a.rs"), rank("b.rs/x.rs")], [None, None]);
+    }
+
+    #[test]
+    fn upward_is_to_a_higher_layer_only() {
+        let mut graph = Graph::default();
+        for (from, to) in [("a/low.rs", "a/x.rs"), ("a/x.rs", "a/low.rs"), ("b.rs", "c.rs")] {
+            graph.add(from, to, "Name");
+        }
+        assert_eq!(upward(&graph, MADE_UP), ["    a/low.rs -> a/x.rs: Name\n"]);
+    }
+}
