@@ -3,11 +3,12 @@
 use super::keeping::{self, Stops, Unkept};
 use super::{Fleet, Inner, saving};
 use crate::fleet::robot::{Arrivals, Common};
-use crate::store::{Keeper, StoredRobot, Unreadables};
+use crate::store::{Keeper, Kind, StoredRobot, Unreadables};
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Arc, RwLock};
 use std::time::Duration;
 use tokio::sync::Mutex;
+use umwelt_api::RobotId;
 
 impl Fleet {
     /// The robots that the store keeps; what they learn is kept from now on as long as the fleet is there.
@@ -21,7 +22,9 @@ impl Fleet {
         unreadable: Unreadables,
     ) -> Self {
         let earlier = stops.words.newest();
-        let unkept = Unkept::of(&stops.words, robots.iter().map(|robot| robot.id.clone()));
+        let is_unreadable = |id: &RobotId| unreadable.find(Kind::Robot, id.as_str()).is_some();
+        let ids = robots.iter().map(|robot| robot.id.clone());
+        let unkept = Unkept::of(&stops.words, ids, is_unreadable);
         let revisions = robots.iter().map(|robot| robot.record.revision);
         let revision = revisions.chain(unreadable.revisions()).max();
         let fleet = Self(Arc::new(Inner {

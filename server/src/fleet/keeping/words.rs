@@ -34,10 +34,15 @@ pub(crate) struct Unkept {
 }
 
 impl Unkept {
-    /// What an earlier run has left to do, for the robots that there are.
-    pub(crate) fn of(words: &Words, robots: impl Iterator<Item = RobotId>) -> Self {
+    /// What an earlier run has left to do, for the robots that there are. Words about a robot that `is_unreadable` stay in
+    /// the journal, for the program that can read it.
+    pub(crate) fn of(
+        words: &Words,
+        robots: impl Iterator<Item = RobotId>,
+        is_unreadable: impl Fn(&RobotId) -> bool,
+    ) -> Self {
         let mut unkept = Self::default();
-        for (id, (arrival, _)) in &words.last {
+        for (id, (arrival, _)) in words.last.iter().filter(|(id, _)| !is_unreadable(id)) {
             unkept.due.insert(id.clone(), *arrival);
         }
         if words.is_damaged {
@@ -74,5 +79,23 @@ impl Unkept {
     pub(super) fn settle(&mut self, held: &BTreeMap<RobotId, u64>) {
         self.due.retain(|id, due| held.get(id).is_none_or(|held| held < due));
         self.held.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Guards against a stop that is forgotten because the program that was started in between could not read its robot.
+    #[test]
+    fn words_about_a_robot_that_cannot_be_read_are_left_in_the_journal() {
+        let [one, other]: [RobotId; 2] = ["a", "b"].map(|id| id.parse().unwrap());
+        let last = [(one.clone(), (5, Word::Stop)), (other.clone(), (6, Word::Stop))].into();
+        let words = Words { last, ..Words::default() };
+        let due = |is_unreadable: &dyn Fn(&RobotId) -> bool| {
+            Unkept::of(&words, std::iter::empty(), is_unreadable).missing()
+        };
+        assert_eq!(due(&|_| false), [one.clone(), other.clone()]);
+        assert_eq!(due(&|id| *id == one), [other]);
     }
 }
