@@ -35,31 +35,24 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
     (
         "umwelt-server",
         &[
-            &["answer.rs", "failure.rs"],
-            &["arguments/compare.rs", "arguments/evolve.rs", "arguments/mod.rs"],
-            &["documents/mod.rs", "documents/shelf.rs"],
-            &["extract.rs", "routes/jobs/mod.rs", "routes/page.rs"],
             &[
-                "fleet/keeping/mod.rs",
                 "fleet/mod.rs",
-                "fleet/saving.rs",
-                "priors.rs",
-                "robot/mod.rs",
-                "robot/pilot.rs",
-                "robot/snapshot.rs",
+                "fleet/robot/common.rs",
+                "fleet/robot/mod.rs",
+                "fleet/robot/pilot.rs",
+                "fleet/robot/silence.rs",
+                "fleet/robot/snapshot.rs",
+                "library/priors.rs",
             ],
+            &["http/extract.rs", "http/routes/jobs/mod.rs"],
             &["jobs/dispatch.rs", "jobs/job.rs", "jobs/queue.rs"],
             &["jobs/record.rs", "jobs/work.rs"],
-            &["offline/folder.rs", "offline/mod.rs"],
-            &["store/sqlite/files.rs", "store/sqlite/open.rs"],
+            &["lab/offline/folder.rs", "lab/offline/mod.rs"],
+            &["store/record.rs", "store/unreadable.rs"],
         ],
     ),
-    ("umwelt-client", &[&["client.rs", "step.rs"]]),
+    ("umwelt-client", &[&["client.rs", "pages.rs", "step.rs"]]),
 ];
 
 /// Files of 400 lines and more.
-pub const LONG: &[(&str, &[&str])] = &[
-    ("umwelt-core", &["evolution/mod.rs"]),
-    ("umwelt-server", &["robot/mod.rs", "robot/pilot.rs"]),
-    ("umwelt-agent", &["options/mod.rs"]),
-];
+pub const LONG: &[(&str, &[&str])] = &[("umwelt-core", &["evolution/mod.rs"])];
