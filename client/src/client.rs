@@ -2,14 +2,14 @@
 
 use crate::address::Address;
 use crate::call::{self, Call};
+use crate::connection;
 use crate::error::Error;
 use crate::pages;
 use crate::retry::{MAX_RETRIES, Unavailable};
 use crate::step::StepConnection;
-use crate::token;
 use bytes::Bytes;
 use futures_util::stream::BoxStream;
-use reqwest::{Method, Url, redirect};
+use reqwest::{Method, Url};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
@@ -26,9 +26,6 @@ use umwelt_api::{RobotId, Token};
 
 /// Time for a call with its retries: a bad link's worst silence of 12 s is not waited out, a person asks again.
 pub const DEADLINE: Duration = Duration::from_secs(10);
-
-/// Below the deadline, so that a host that does not answer is told apart from a slow answer.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(4);
 
 /// An Umwelt server, as seen from here. Cheap to clone; clones share their connections.
 ///
@@ -68,20 +65,6 @@ where
     BoxCloneSyncService::new(retried)
 }
 
-/// What all connections have in common: no delay for small packets, no proxy between a robot and its server, no
-/// redirect (it would turn PUT into GET, and take the token elsewhere), no retry below ours.
-pub(crate) fn http(builder: reqwest::ClientBuilder, token: Option<&Token>) -> reqwest::Client {
-    let client = builder
-        .default_headers(token::headers(token))
-        .tcp_nodelay(true)
-        .connect_timeout(CONNECT_TIMEOUT)
-        .no_proxy()
-        .redirect(redirect::Policy::none())
-        .retry(reqwest::retry::never())
-        .build();
-    client.expect("only TLS and name resolvers can fail here, and neither is asked for")
-}
-
 impl Client {
     /// A client of the server at `base_url`, as `http://127.0.0.1:8080`. Nothing is sent yet.
     ///
@@ -96,7 +79,7 @@ impl Client {
     /// # Errors
     /// [`Error::BadCall`] where `base_url` is no such address.
     pub fn authorized(base_url: &str, token: Option<Token>) -> Result<Self, Error> {
-        let http = http(reqwest::Client::builder(), token.as_ref());
+        let http = connection::http(reqwest::Client::builder(), token.as_ref());
         let attempt = {
             let http = http.clone();
             tower::service_fn(move |call| call::send(http.clone(), call))

@@ -12,6 +12,7 @@ mod call;
 pub mod cli;
 mod client;
 mod compare;
+mod connection;
 mod error;
 mod events;
 mod evolve;
@@ -23,6 +24,7 @@ mod step;
 #[cfg(test)]
 mod test_server;
 mod token;
+mod unreadable;
 
 pub use client::{Client, DEADLINE};
 pub use error::{Error, Failure};

@@ -68,7 +68,7 @@ impl StepConnection {
 }
 
 fn http(token: Option<&Token>) -> reqwest::Client {
-    crate::client::http(
+    crate::connection::http(
         reqwest::Client::builder()
             .http2_prior_knowledge()
             .http2_keep_alive_interval(PING_INTERVAL)

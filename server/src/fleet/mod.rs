@@ -12,6 +12,7 @@ mod saving;
 mod stop;
 
 use crate::fleet::robot::{Arrivals, Brake, Command, Common, Robot, RobotChange, Snapshot};
+use crate::library::priors::Users;
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::resource::failure::{self, Failure};
@@ -76,6 +77,15 @@ impl Fleet {
             .range::<RobotId, _>((from, Bound::Unbounded))
             .map(|(_, robot)| Arc::clone(robot))
             .collect()
+    }
+
+    /// Which robots use which prior, in the order of their ids.
+    pub(crate) fn users(&self) -> Users {
+        let named = |robot: Arc<Robot>| {
+            let prior = robot.snapshot().prior().map(str::to_owned);
+            prior.map(|prior| (prior, robot.id().clone()))
+        };
+        self.robots(None).into_iter().filter_map(named).collect()
     }
 
     /// Describes a robot, for the first time or anew. `prior` is the name of the prior in `settings`, where it has

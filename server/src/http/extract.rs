@@ -3,8 +3,6 @@
 use crate::fleet::robot::Robot;
 use crate::http::app::App;
 use crate::http::budget::{Limits, Peer, Unread};
-use crate::http::routes::jobs::Resource;
-use crate::jobs::Job;
 use crate::resource::failure::{self, Failure};
 use crate::store::Kind;
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
@@ -49,37 +47,8 @@ impl<S: Send + Sync> FromRequestParts<S> for Environment {
     }
 }
 
-/// The job that a path names: the `{evolution}` of `/v1/evolutions/{evolution}`.
-pub(crate) struct Named<W: Resource>(pub(crate) Arc<Job<W>>);
-
-impl<W: Resource> FromRequestParts<App> for Named<W> {
-    type Rejection = Failure;
-
-    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Failure> {
-        let kind = W::KIND.name();
-        let id: W::Id = named(parts, app, kind).await?;
-        let found = W::jobs(app).find(id.as_ref()).map(Self);
-        let name = id.as_ref();
-        found.ok_or_else(|| match app.unreadable.find(Kind::Job(W::KIND), name) {
-            Some(unreadable) => unreadable.failure(),
-            None => failure::no_such(kind, name),
-        })
-    }
-}
-
-/// The id in a path of a job, valid but perhaps of none.
-pub(crate) struct Name<W: Resource>(pub(crate) W::Id);
-
-impl<W: Resource, S: Send + Sync> FromRequestParts<S> for Name<W> {
-    type Rejection = Failure;
-
-    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Failure> {
-        named(parts, state, W::KIND.name()).await.map(Self)
-    }
-}
-
 /// The parameter of a path that holds an id.
-async fn named<T: FromStr<Err = InvalidId>, S: Send + Sync>(
+pub(crate) async fn named<T: FromStr<Err = InvalidId>, S: Send + Sync>(
     parts: &mut Parts,
     state: &S,
     parameter: &str,

@@ -3,7 +3,6 @@
 //! Invariants: what is shown is kept; a name that robots use means the same prior for as long as they use it, so giving
 //! a robot a prior ([`Priors::giving`]) and changing priors ([`Priors::changing`]) exclude each other.
 
-use crate::fleet::Fleet;
 use crate::library::catalogue::{self, Catalogue};
 use crate::resource::etag;
 use crate::store::{Kind, StoredPrior, Unreadables};
@@ -66,20 +65,20 @@ impl Named {
 pub(crate) struct Users(BTreeMap<String, Vec<RobotId>>);
 
 impl Users {
-    /// The robots of `fleet` by the names of their priors, in the order of their ids.
-    pub(crate) fn in_fleet(fleet: &Fleet) -> Self {
-        let mut users = Self::default();
-        for robot in fleet.robots(None) {
-            if let Some(name) = robot.snapshot().prior() {
-                users.0.entry(name.to_owned()).or_default().push(robot.id().clone());
-            }
-        }
-        users
-    }
-
     /// Those that use this one.
     pub(crate) fn of(&self, prior: &PriorId) -> &[RobotId] {
         self.0.get(prior.as_str()).map(Vec::as_slice).unwrap_or_default()
+    }
+}
+
+impl FromIterator<(String, RobotId)> for Users {
+    /// Robots with the names of their priors, in the order in which they come.
+    fn from_iter<I: IntoIterator<Item = (String, RobotId)>>(robots: I) -> Self {
+        let mut users = Self::default();
+        for (prior, robot) in robots {
+            users.0.entry(prior).or_default().push(robot);
+        }
+        users
     }
 }
 

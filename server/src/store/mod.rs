@@ -6,6 +6,7 @@
 //! (`keeper`). The form in which things are stored belongs to the store.
 
 pub(crate) mod document;
+mod job_id;
 mod keeper;
 mod memory;
 mod record;
@@ -14,11 +15,11 @@ mod stop_journal;
 mod stop_keeper;
 mod unreadable;
 
+pub use job_id::{JobId, JobKind};
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
 pub use record::{
-    Contents, JobId, JobKind, Part, Posterior, Record, StoredEnvironment, StoredJob, StoredPrior,
-    StoredRobot,
+    Contents, Part, Posterior, Record, StoredEnvironment, StoredJob, StoredPrior, StoredRobot,
 };
 
 pub use sqlite::{

@@ -1,8 +1,8 @@
 //! What is kept, as the server sees it.
 
-use super::Unreadable;
+use super::job_id::{JobId, JobKind};
+use super::unreadable::Unreadable;
 use std::collections::BTreeMap;
-use std::fmt;
 use umwelt_api::RobotId;
 use umwelt_api::prior::Source;
 use umwelt_core::controller::Saved;
@@ -65,54 +65,6 @@ pub struct StoredEnvironment {
     pub name: String,
     /// JSON, of which the store knows nothing.
     pub body: String,
-}
-
-/// What the server does in the background.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum JobKind {
-    /// A prior is searched for.
-    Evolution,
-    /// Methods are compared.
-    Comparison,
-}
-
-impl JobKind {
-    /// Every kind.
-    pub const ALL: [Self; 2] = [Self::Evolution, Self::Comparison];
-
-    /// Its name, in ids and on the disk.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Evolution => "evolution",
-            Self::Comparison => "comparison",
-        }
-    }
-
-    /// The kind of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-}
-
-impl fmt::Display for JobKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// Which job: shown as `evolution-12`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct JobId {
-    /// What it does.
-    pub kind: JobKind,
-    /// Its number: greater than that of every job of its kind before it, and never used again.
-    pub number: u64,
-}
-
-impl fmt::Display for JobId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{}", self.kind, self.number)
-    }
 }
 
 /// A job.

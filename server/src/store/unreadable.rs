@@ -1,8 +1,8 @@
 //! What is kept and cannot be read: a newer program wrote it. It keeps its place, is shown as unreadable and is touched by
 //! nobody but those who put another in its place or remove it.
 
-use super::JobKind;
 use super::document;
+use super::job_id::JobKind;
 use crate::resource::failure::Failure;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};

@@ -35,23 +35,11 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
     (
         "umwelt-server",
         &[
-            &[
-                "fleet/mod.rs",
-                "fleet/robot/common.rs",
-                "fleet/robot/mod.rs",
-                "fleet/robot/pilot.rs",
-                "fleet/robot/silence.rs",
-                "fleet/robot/snapshot.rs",
-                "library/priors.rs",
-            ],
-            &["http/extract.rs", "http/routes/jobs/mod.rs"],
             &["jobs/dispatch.rs", "jobs/job.rs", "jobs/queue.rs"],
             &["jobs/record.rs", "jobs/work.rs"],
             &["lab/offline/folder.rs", "lab/offline/mod.rs"],
-            &["store/record.rs", "store/unreadable.rs"],
         ],
     ),
-    ("umwelt-client", &[&["client.rs", "pages.rs", "step.rs"]]),
 ];
 
 /// Files of 400 lines and more.

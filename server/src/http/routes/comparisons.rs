@@ -1,10 +1,12 @@
 //! Comparisons: submitted, their trials, and what is theirs alone of what all jobs have.
 
-use super::jobs::{Made, Resource, figure as figure_of, idempotency_key, repeated, submitted};
+use super::jobs::{
+    Made, Named, Resource, figure as figure_of, idempotency_key, repeated, submitted,
+};
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents::Name;
-use crate::http::extract::{Body, Named};
+use crate::http::extract::Body;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use crate::lab::figures::comparison::svg;
 use crate::lab::{csv, report};

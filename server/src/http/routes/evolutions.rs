@@ -1,13 +1,13 @@
 //! Evolutions: submitted, their generations and figures, and what is theirs alone of what all jobs have.
 
 use super::jobs::{
-    Made, Resource, figure as figure_of, idempotency_key, parts, repeated, submitted,
+    Made, Named, Resource, figure as figure_of, idempotency_key, parts, repeated, submitted,
 };
 use super::page::{self, Query};
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::extract::{Body, Named};
+use crate::http::extract::Body;
 use crate::jobs::evolution::claim;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use crate::lab::figures::evolution::{Figure, svg};

@@ -7,7 +7,7 @@ use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::extract::{Body, Prior};
 use crate::jobs::evolution::claimant;
-use crate::library::priors::{MAX_PRIORS, Named, Users};
+use crate::library::priors::{MAX_PRIORS, Named};
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::resource::failure::{self, Failure};
@@ -95,13 +95,13 @@ pub(crate) async fn list(State(app): State<App>, query: Query<page::Priors>) -> 
     let after = query.after.as_ref().map(PriorId::as_str);
     let is_listed = page::holds(after, next_page_token.as_deref());
     let unreadable = app.unreadable.page(Kind::Prior, is_listed);
-    let users = Users::in_fleet(&app.fleet);
+    let users = app.fleet.users();
     let priors = page.iter().map(|named| named.shown(&users)).collect();
     Ok(answer::json(StatusCode::OK, &Page { priors, unreadable, next_page_token }))
 }
 
 fn show(app: &App, code: StatusCode, named: &Named) -> axum::response::Response {
-    answer::versioned(code, &named.etag(), &named.shown(&Users::in_fleet(&app.fleet)))
+    answer::versioned(code, &named.etag(), &named.shown(&app.fleet.users()))
 }
 
 /// Nothing goes by this name, or what cannot be read.
@@ -134,7 +134,7 @@ fn check_own(app: &App, id: &PriorId) -> Result<(), Failure> {
 
 /// Whether no robot uses it; the failure names those that do.
 fn check_unused(app: &App, id: &PriorId) -> Result<(), Failure> {
-    let users = Users::in_fleet(&app.fleet);
+    let users = app.fleet.users();
     let robots = users.of(id);
     if robots.is_empty() {
         return Ok(());

@@ -4,11 +4,11 @@
 //! which the job has ended is the last event; the id of an event is the same after a restart, so a stream resumes where
 //! it was.
 
-use super::Resource;
+use super::named::Named;
+use super::resource::Resource;
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::budget::{Peer, Stream};
-use crate::http::extract::Named;
 use crate::http::routes::events::{KEEP_ALIVE, last_event_id};
 use crate::jobs::{Job, Shown};
 use axum::extract::State;

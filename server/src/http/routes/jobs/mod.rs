@@ -1,74 +1,33 @@
 //! What all kinds of jobs have in common: shown, listed, cancelled, removed, followed.
 
 mod events;
+mod named;
+mod resource;
 
 pub(crate) use events::events;
+pub(crate) use named::Named;
+pub(crate) use resource::Resource;
 
 use super::page::{self, Query};
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents;
-use crate::http::extract::{Name, Named};
-use crate::jobs::{Job, Jobs, Shown, Submitting, Work, read_part};
+use crate::jobs::{Job, Submitting, Work, read_part};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::{self, Failure};
 use crate::store::{JobId, Kind, Part};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::response::{Response, sse};
+use axum::response::Response;
+use named::Name;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::Display;
-use std::str::FromStr;
 use std::sync::Arc;
-use umwelt_api::page::Unreadable;
+use umwelt_api::IdempotencyKey;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
-use umwelt_api::{IdempotencyKey, InvalidId};
-
-/// A kind of job as the wire has it.
-pub(crate) trait Resource: Work {
-    /// What names one.
-    type Id: FromStr<Err = InvalidId> + AsRef<str> + Send;
-    /// A job.
-    type Wire: Serialize;
-
-    /// All of the kind.
-    fn jobs(app: &App) -> &Jobs<Self>;
-
-    /// As the wire has it.
-    fn wire(job: &Job<Self>) -> Self::Wire;
-
-    /// The same in a list.
-    fn listed(job: &Job<Self>) -> Self::Wire {
-        Self::wire(job)
-    }
-
-    /// A page of a list.
-    fn page(
-        jobs: Vec<Self::Wire>,
-        unreadable: Vec<Unreadable>,
-        next_page_token: Option<String>,
-    ) -> impl Serialize;
-
-    /// Where it stands, as an event.
-    ///
-    /// # Errors
-    /// Where it cannot be written.
-    fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error>;
-
-    /// What is to be told before that to somebody who was told `told`, each with what has been told then; none where it
-    /// cannot be had.
-    fn news(
-        _app: &App,
-        _job: &Job<Self>,
-        _shown: &Shown<Self>,
-        _told: u64,
-    ) -> impl Future<Output = Option<Vec<(u64, Result<sse::Event, axum::Error>)>>> + Send {
-        std::future::ready(Some(Vec::new()))
-    }
-}
 
 pub(crate) async fn get<W: Resource>(Named(job): Named<W>) -> Response {
     answer::json(StatusCode::OK, &W::wire(&job))
