@@ -1,6 +1,6 @@
 //! Whether beliefs are honest, with many robots: simulation-based calibration and the coverage of 90 % intervals.
 //!
-//! `cargo run --release -p umwelt-core --example belief_calibration -- [RUNS] [SEED]` (default 4000 runs, seed 1). Each run
+//! `cargo run --release -p umwelt-lab --example belief_calibration -- [RUNS] [SEED]` (default 4000 runs, seed 1). Each run
 //! is a robot with camera noise and lag on a floor drawn from its prior. The last column is the chi-squared of the ranks
 //! of the truth among draws from the posterior: 19 degrees of freedom, below 43.8 in 99.9 % of the cases where the belief
 //! is exact.
@@ -9,9 +9,9 @@
 #![allow(clippy::disallowed_methods, reason = "an example may use all cores")]
 
 use std::thread;
-use umwelt_core::comparison::Coverage;
-use umwelt_core::comparison::beliefs::{Run, Verdict, honest_prior, rank_statistic, run};
 use umwelt_core::identification::estimate::Channel;
+use umwelt_lab::comparison::Coverage;
+use umwelt_lab::comparison::beliefs::{Run, Verdict, honest_prior, rank_statistic, run};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);

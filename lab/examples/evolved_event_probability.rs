@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use umwelt_core::conjugate::{BetaBernoulli, ConjugateError};
-use umwelt_core::evolution::event_probability::Experiment;
+use umwelt_lab::evolution::event_probability::Experiment;
 
 fn main() -> Result<(), ConjugateError> {
     println!(

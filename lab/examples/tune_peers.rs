@@ -1,22 +1,22 @@
 //! Chooses the constants that the sources of a peer leave open: tries a small grid of them on seeds of which nothing is
 //! reported, over every link of a scenario.
 //!
-//! `cargo run --release -p umwelt-core --example tune_peers -- PEER [SCENARIO] [SEEDS]` (defaults: `thesis`, 100 seeds).
+//! `cargo run --release -p umwelt-lab --example tune_peers -- PEER [SCENARIO] [SEEDS]` (defaults: `thesis`, 100 seeds).
 //! The rule: all robots arrive; the median time, mean over the links, is within 5 % of the best; of those, the least
 //! score: the deviation that 90 % stay within, geometric mean over the links. `-` before PEER drives the tuned one alone.
 
 #![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "an example prints, and times")]
 
 use std::time::Instant;
-use umwelt_core::comparison::ComparisonSettings;
 use umwelt_core::controller::Controller;
 use umwelt_core::controller::compensation::Compensation;
 use umwelt_core::episode::{EpisodeError, Scenario};
-use umwelt_core::peers::{
+use umwelt_core::settings::{Attribution, Settings};
+use umwelt_lab::comparison::ComparisonSettings;
+use umwelt_lab::peers::{
     EkfPacket, EkfTuning, GpMpc, GpMpcTuning, GpTuning, MpcTuning, NoCompensation, SlidingMode,
     SlidingTuning, StaleTuning, StopWhenStale, heedless,
 };
-use umwelt_core::settings::{Attribution, Settings};
 
 /// Seeds of tuning begin here: comparisons draw theirs from all 64 bits, everything else counts from zero.
 const FIRST_SEED: u64 = 1_000_000;

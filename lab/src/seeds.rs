@@ -3,9 +3,9 @@
 //! Nothing is drawn in sequence, so no result depends on the order in which episodes run, on how many threads run
 //! them, or on whether the evolution was resumed.
 
-use crate::draws::mix;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
+use umwelt_core::draws::mix;
 
 /// What a seed is for; each purpose has seeds of its own.
 #[derive(Clone, Copy, Debug)]

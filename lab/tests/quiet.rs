@@ -1,9 +1,9 @@
 //! In ordinary driving the watch says nothing.
 
-#[path = "../../examples/watch_false_alarms/driving.rs"]
+#[path = "../examples/watch_false_alarms/driving.rs"]
 mod driving;
 
-use umwelt_core::comparison::SCENARIOS;
+use umwelt_lab::comparison::SCENARIOS;
 
 /// Ten minutes of simulated driving in each scenario, on other seeds than the example's.
 #[test]
@@ -62,8 +62,8 @@ fn bad_links_are_no_fault_of_the_robot() {
 /// Seeds at which that was once taken for a robot that stands, or whose wheels are wrong.
 #[test]
 fn a_turn_that_began_the_other_way_is_a_turn() {
-    use umwelt_core::comparison::ComparisonSettings;
     use umwelt_core::controller::Controller;
+    use umwelt_lab::comparison::ComparisonSettings;
 
     let thesis = ComparisonSettings::scenario("thesis").expect("a scenario");
     let bad = thesis.environments.iter().find(|it| it.name == "bad-link").expect("the bad link");

@@ -3,6 +3,7 @@
 
 use serde_json::{Map, Value, json};
 use umwelt_api::{Problems, comparison, evolution, prior, robot, step, task, training};
+use umwelt_lab::wire;
 
 /// Bodies of each kind.
 const CASES: usize = 1500;
@@ -300,13 +301,14 @@ fn what_the_schemas_allow_and_what_is_refused_as_bad_are_each_others_rest() {
         ("/v1/priors/{prior}", "put", |json| prior::Spec::read(json)?.to_core().map(drop)),
         ("/v1/environments/{environment}", "put", |json| {
             let name = "mine".parse().expect("an id");
-            training::Spec::read(json)?.to_core(&name).map(drop)
+            wire::training::environment(&training::Spec::read(json)?, &name).map(drop)
         }),
         ("/v1/evolutions", "post", |json| {
-            evolution::Request::read(json)?.to_core(training::built_in).map(drop)
+            wire::evolution::settings(&evolution::Request::read(json)?, wire::training::built_in)
+                .map(drop)
         }),
         ("/v1/comparisons", "post", |json| {
-            comparison::Request::read(json)?.to_core(prior::built_in).map(drop)
+            wire::comparison::settings(&comparison::Request::read(json)?, prior::built_in).map(drop)
         }),
     ];
     for (path, method, read) in kinds {

@@ -1,9 +1,9 @@
 //! Ordinary driving under the watch: the scenarios of `compare`, every method that the server offers.
 
-use umwelt_core::comparison::{Approach, ComparisonSettings};
 use umwelt_core::controller::Controller;
 use umwelt_core::episode::Scenario;
 use umwelt_core::watch::Alarm;
+use umwelt_lab::comparison::{Approach, ComparisonSettings};
 
 /// What the watch said in one scenario.
 #[derive(Debug, Default)]

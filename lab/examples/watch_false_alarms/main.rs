@@ -1,5 +1,5 @@
 //! Counts what the watch says in ordinary driving, where it has nothing to say:
-//! `cargo run --release -p umwelt-core --example watch_false_alarms -- 10` drives ten simulated hours, spread over the
+//! `cargo run --release -p umwelt-lab --example watch_false_alarms -- 10` drives ten simulated hours, spread over the
 //! scenarios of `compare`. Ends with 1 where a robot was brought to rest.
 
 #![expect(clippy::print_stdout, reason = "an example prints")]
@@ -7,7 +7,7 @@
 mod driving;
 
 use std::process::ExitCode;
-use umwelt_core::comparison::SCENARIOS;
+use umwelt_lab::comparison::SCENARIOS;
 
 fn main() -> ExitCode {
     let hours = std::env::args().nth(1).map_or(Ok(1.0), |hours| hours.parse::<f64>());

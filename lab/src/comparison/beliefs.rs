@@ -6,19 +6,19 @@
 //! histogram of ranks. The robot is simulated whole, with camera noise, lag and dead time, and drives by what it believes.
 
 use super::witness::{Coverage, Witness};
-use crate::conjugate::NormalInverseChiSquared;
-use crate::controller::Controller;
-use crate::episode::{EpisodeError, Scenario};
-use crate::geometry::{Point, Pose};
-use crate::identification::estimate::{Channel, LEVEL};
-use crate::kinematics::Drive;
-use crate::link::LinkModel;
-use crate::plant::{PlantModel, Slip, SlipChannel};
 use crate::seeds::{self, Purpose};
-use crate::settings::{Attribution, Method, PoseNoise, Prior, Settings};
-use crate::task::Task;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+use umwelt_core::conjugate::NormalInverseChiSquared;
+use umwelt_core::controller::Controller;
+use umwelt_core::episode::{EpisodeError, Scenario};
+use umwelt_core::geometry::{Point, Pose};
+use umwelt_core::identification::estimate::{Channel, LEVEL};
+use umwelt_core::kinematics::Drive;
+use umwelt_core::link::LinkModel;
+use umwelt_core::plant::{PlantModel, Slip, SlipChannel};
+use umwelt_core::settings::{Attribution, Method, PoseNoise, Prior, Settings};
+use umwelt_core::task::Task;
 
 /// Draws from the posterior among which the truth is ranked: ranks go from 0 to this.
 pub const DRAWS: usize = 99;

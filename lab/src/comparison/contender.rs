@@ -4,13 +4,13 @@ use super::Trial;
 use super::scenario::Environment;
 use super::settings::ComparisonSettings;
 use super::witness::{Errors, Oracle, Witness};
-use crate::conjugate::SampleStatistics;
-use crate::controller::Controller;
-use crate::controller::compensation::Compensation;
-use crate::episode::{Outcome, Scenario};
-use crate::identification::estimate::Channel;
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
-use crate::settings::{Attribution, Method, Prior, Settings};
+use umwelt_core::conjugate::SampleStatistics;
+use umwelt_core::controller::Controller;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::episode::{Outcome, Scenario};
+use umwelt_core::identification::estimate::Channel;
+use umwelt_core::settings::{Attribution, Method, Prior, Settings};
 
 /// Time in s that an episode may take beyond the limit: the calibration takes about 20 s at full speed.
 const CALIBRATION_TIME: f64 = 60.0;
@@ -74,7 +74,7 @@ impl Approach {
     /// The method of this name.
     ///
     /// ```
-    /// use umwelt_core::comparison::Approach;
+    /// use umwelt_lab::comparison::Approach;
     /// assert!(Approach::ALL.iter().all(|it| Approach::named(it.name()) == Some(*it)));
     /// assert_eq!(Approach::named("guess"), None);
     /// ```
@@ -158,7 +158,7 @@ impl Contender {
     /// How it is shown: name and slots.
     ///
     /// ```
-    /// use umwelt_core::comparison::ComparisonSettings;
+    /// use umwelt_lab::comparison::ComparisonSettings;
     /// let thesis = ComparisonSettings::scenario("thesis").ok_or("no such scenario")?;
     /// assert_eq!(thesis.contenders[0].label(), "fixed-normal/1");
     /// # Ok::<(), &str>(())

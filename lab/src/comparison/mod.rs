@@ -12,7 +12,7 @@
 //! 3. *Report*: distributions, differences to `statistic` paired by seed, with bootstrap intervals.
 //!
 //! ```
-//! use umwelt_core::comparison::{Comparison, ComparisonSettings};
+//! use umwelt_lab::comparison::{Comparison, ComparisonSettings};
 //! let thesis = ComparisonSettings::scenario("thesis").ok_or("no such scenario")?;
 //! let mut comparison = Comparison::new(ComparisonSettings { trials: 2, ..thesis })?;
 //! while comparison.report().is_none() {
@@ -42,10 +42,10 @@ pub use settings::{
 };
 pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
 
-use crate::conjugate::SampleStatistics;
 use crate::evolution::TellError;
 use crate::seeds::{self, Purpose};
 use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::SampleStatistics;
 
 /// Version of the stored state; a state of another version is not taken up.
 pub const STATE_VERSION: u32 = 1;

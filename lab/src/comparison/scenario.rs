@@ -4,14 +4,14 @@
 
 use super::contender;
 use super::settings::ComparisonSettings;
-use crate::episode::Region;
-use crate::geometry::{Point, Pose};
-use crate::kinematics::Drive;
-use crate::link::{LinkModel, Outage};
-use crate::plant::{PlantModel, Slip, SlipChannel};
-use crate::settings::{PoseNoise, Settings};
-use crate::task::Task;
 use std::f64::consts::FRAC_PI_2;
+use umwelt_core::episode::Region;
+use umwelt_core::geometry::{Point, Pose};
+use umwelt_core::kinematics::Drive;
+use umwelt_core::link::{LinkModel, Outage};
+use umwelt_core::plant::{PlantModel, Slip, SlipChannel};
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 
 /// The names that [`ComparisonSettings::scenario`] knows.
 pub const SCENARIOS: [&str; 7] =
@@ -121,7 +121,7 @@ impl ComparisonSettings {
     /// - `systematic`: the thesis's trip with a robot that is not as its controller was told.
     ///
     /// ```
-    /// use umwelt_core::comparison::{ComparisonSettings, SCENARIOS};
+    /// use umwelt_lab::comparison::{ComparisonSettings, SCENARIOS};
     /// assert!(SCENARIOS.iter().all(|name| ComparisonSettings::scenario(name).is_some()));
     /// assert_eq!(ComparisonSettings::scenario("moon"), None);
     /// ```

@@ -2,13 +2,13 @@
 
 use super::contender::Contender;
 use super::scenario::Environment;
-use crate::episode::Scenario;
-use crate::geometry::Pose;
-use crate::horizon::MAX_SLOTS;
-use crate::link::LinkError;
-use crate::plant::PlantError;
-use crate::settings::Settings;
-use crate::task::Task;
+use umwelt_core::episode::Scenario;
+use umwelt_core::geometry::Pose;
+use umwelt_core::horizon::MAX_SLOTS;
+use umwelt_core::link::LinkError;
+use umwelt_core::plant::PlantError;
+use umwelt_core::settings::Settings;
+use umwelt_core::task::Task;
 
 /// Most contenders of one comparison.
 pub const MAX_CONTENDERS: usize = 64;

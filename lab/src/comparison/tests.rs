@@ -117,7 +117,7 @@ fn an_environment_that_is_not_recognised_counts_as_never() {
 
 #[test]
 fn the_nearest_environment_is_the_one_whose_errors_surprise_least() {
-    use crate::prediction::{ChannelModel, ErrorModel};
+    use umwelt_core::prediction::{ChannelModel, ErrorModel};
     let errors = |sd: f64, mean: f64| Errors { forward: (mean, sd * sd), turn: (mean, sd * sd) };
     let known = [errors(0.02, 0.0), errors(0.2, -0.05)];
     let believing = |mean, sd: f64| {

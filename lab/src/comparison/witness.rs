@@ -1,15 +1,15 @@
 //! What is watched while a method drives: whether its intervals hold what comes, and which environment it believes to be
 //! in. And the one who knows: the oracle.
 
-use crate::conjugate::SampleStatistics;
-use crate::controller::compensation::Compensation;
-use crate::episode::{Region, Scenario};
-use crate::geometry::Pose;
-use crate::identification::estimate::Channel;
-use crate::identification::{Belief, Samples};
-use crate::plant::{Slip, SlipChannel};
-use crate::prediction::{ChannelModel, ErrorModel};
 use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::SampleStatistics;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::episode::{Region, Scenario};
+use umwelt_core::geometry::Pose;
+use umwelt_core::identification::estimate::Channel;
+use umwelt_core::identification::{Belief, Samples};
+use umwelt_core::plant::{Slip, SlipChannel};
+use umwelt_core::prediction::{ChannelModel, ErrorModel};
 
 /// Samples of a channel that are taken in before intervals are asked of it: before, nothing has been identified.
 pub const SAMPLES_BEFORE: u64 = 10;
@@ -149,7 +149,7 @@ impl Compensation for Oracle {
 mod tests {
     use super::*;
     use crate::comparison::ComparisonSettings;
-    use crate::settings::{Method, Prior};
+    use umwelt_core::settings::{Method, Prior};
 
     /// The bug to fear: an oracle that knows the wrong floor, and so a bound that is none.
     #[test]

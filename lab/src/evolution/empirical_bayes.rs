@@ -5,9 +5,9 @@
 
 use super::cma_es::CmaEs;
 use super::genome::{CHANNEL_GENES, Genome};
-use crate::conjugate::{NormalInverseChiSquared, SampleStatistics};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
+use umwelt_core::conjugate::{NormalInverseChiSquared, SampleStatistics};
 
 /// Individuals and generations of the inner search over four numbers: it is on its optimum to three digits long
 /// before.

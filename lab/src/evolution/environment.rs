@@ -1,8 +1,8 @@
 //! Named simulated environments, and what counts as fit in them.
 
 use super::Evaluation;
-use crate::link::LinkModel;
-use crate::plant::Slip;
+use umwelt_core::link::LinkModel;
+use umwelt_core::plant::Slip;
 
 /// The names that [`TrainingEnvironment::preset`] knows; the first two are the thesis's.
 pub const ENVIRONMENTS: [&str; 6] =
@@ -88,7 +88,7 @@ impl TrainingEnvironment {
     /// The environment called `name`, one of [`ENVIRONMENTS`].
     ///
     /// ```
-    /// use umwelt_core::evolution::{ENVIRONMENTS, Fitness, TrainingEnvironment};
+    /// use umwelt_lab::evolution::{ENVIRONMENTS, Fitness, TrainingEnvironment};
     /// assert!(ENVIRONMENTS.iter().all(|name| TrainingEnvironment::preset(name).is_some()));
     /// assert_eq!(TrainingEnvironment::preset("bad-link").map(|it| it.fitness), Some(Fitness::Bad));
     /// ```

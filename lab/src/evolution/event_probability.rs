@@ -8,9 +8,9 @@
 use super::genetic::{self, GeneticSettings};
 use super::genome::Gene;
 use super::seeds::{self, Purpose};
-use crate::conjugate::BetaBernoulli;
 use rand::{Rng, RngExt};
 use rand_distr::{Beta, Distribution};
+use umwelt_core::conjugate::BetaBernoulli;
 
 /// Genes of (alpha, beta): up to what a hundred packets would say.
 const GENES: [Gene; 2] = [Gene::logarithmic(0.01, 100.0); 2];

@@ -4,8 +4,8 @@ use super::Evaluation;
 use super::environment::TrainingEnvironment;
 use super::genetic::ranking;
 use super::genome::{self, Genome};
-use crate::settings::Prior;
 use serde::{Deserialize, Serialize};
+use umwelt_core::settings::Prior;
 
 /// The best and the mean of a generation's individuals.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

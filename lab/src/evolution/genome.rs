@@ -1,8 +1,8 @@
 //! A genome: numbers, each with its domain; as a prior, four for every channel that the method uses.
 
-use crate::conjugate::NormalInverseChiSquared;
-use crate::settings::Prior;
 use rand::{Rng, RngExt};
+use umwelt_core::conjugate::NormalInverseChiSquared;
+use umwelt_core::settings::Prior;
 
 /// Largest error ratio that a prior may expect (`MAX_mu` of thesis eq. 48, drawn symmetrically): beyond it no
 /// prediction follows, since learned means are clamped.

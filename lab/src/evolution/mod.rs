@@ -15,7 +15,7 @@
 //! Where nobody arrives there is nothing to select by: it ends without a report and says why ([`Evolution::hopeless`]).
 //!
 //! ```
-//! use umwelt_core::evolution::{Evolution, EvolutionSettings};
+//! use umwelt_lab::evolution::{Evolution, EvolutionSettings};
 //! let quick = EvolutionSettings::preset("quick").ok_or("no such preset")?;
 //! let settings = EvolutionSettings { population: 4, generations: 2, report_trials: 2, ..quick };
 //! let mut evolution = Evolution::new(settings)?;
@@ -51,17 +51,17 @@ pub use settings::{
     SettingsError,
 };
 
-use crate::conjugate::SampleStatistics;
-use crate::episode::Scenario;
-use crate::geometry::Pose;
-use crate::identification::estimate::Channel;
-use crate::plant::PlantModel;
 use crate::seeds::{self, Purpose};
-use crate::settings::{Method, PoseNoise, Prior, Settings};
 use cma_es::CmaEs;
 use genome::Genome;
 use report::Driven;
 use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::SampleStatistics;
+use umwelt_core::episode::Scenario;
+use umwelt_core::geometry::Pose;
+use umwelt_core::identification::estimate::Channel;
+use umwelt_core::plant::PlantModel;
+use umwelt_core::settings::{Method, PoseNoise, Prior, Settings};
 
 /// Version of the stored state; a state of another version is not taken up.
 pub const STATE_VERSION: u32 = 1;

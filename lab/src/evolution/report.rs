@@ -1,9 +1,9 @@
 //! What is said of the champion: on seeds that neither bred nor chose it, beside what it has to beat.
 
 use super::environment::TrainingEnvironment;
-use crate::conjugate::student_t_half_width;
-use crate::settings::Prior;
 use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::student_t_half_width;
+use umwelt_core::settings::Prior;
 
 /// Probability mass of every interval of a report.
 pub const LEVEL: f64 = 0.95;

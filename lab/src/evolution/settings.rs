@@ -2,9 +2,9 @@
 
 use super::environment::{FitnessLimits, TrainingEnvironment};
 use super::genetic::GeneticSettings;
-use crate::link::{Link, LinkError};
-use crate::settings::{PoseNoise, Settings};
-use crate::task::Task;
+use umwelt_core::link::{Link, LinkError};
+use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::task::Task;
 
 /// Most environments of one evolution.
 pub const MAX_ENVIRONMENTS: usize = 32;

@@ -1,9 +1,9 @@
 //! The whole of an evolution: what it says, and that nobody can tell how it was run.
 
 use super::*;
-use crate::geometry::Point;
-use crate::task::Task;
 use std::collections::BTreeSet;
+use umwelt_core::geometry::Point;
+use umwelt_core::task::Task;
 
 /// Small enough to run in a test, with a task of a single leg.
 fn small(optimizer: Optimizer) -> EvolutionSettings {

@@ -17,13 +17,13 @@
 //! - The law is the quadratic curve of the thesis: theirs is a path follower of the same kind (pure pursuit).
 
 use super::heedless;
-use crate::controller::compensation::Compensation;
-use crate::exchange::Observation;
-use crate::geometry::{Displacement, Pose};
-use crate::identification::Belief;
-use crate::prediction::{ERROR_WINDOW, ErrorModel};
-use crate::settings::{Attribution, Settings};
 use nalgebra::{Matrix3, Vector3};
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::exchange::Observation;
+use umwelt_core::geometry::{Displacement, Pose};
+use umwelt_core::identification::Belief;
+use umwelt_core::prediction::{ERROR_WINDOW, ErrorModel};
+use umwelt_core::settings::{Attribution, Settings};
 
 /// Noise of the motion that the filter reckons with. Shares are standard deviations over 100 ms at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,12 +150,12 @@ impl Compensation for EkfPacket {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::{BELIEVED_AGAIN, Controller};
-    use crate::exchange::Request;
-    use crate::settings::PoseNoise;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;
+    use umwelt_core::controller::{BELIEVED_AGAIN, Controller};
+    use umwelt_core::exchange::Request;
+    use umwelt_core::settings::PoseNoise;
 
     /// RMS errors of position in m and heading in rad, believed and observed, on a straight run with slip.
     fn errors() -> [(f64, f64); 2] {

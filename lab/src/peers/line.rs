@@ -1,8 +1,8 @@
 //! The line of a leg, as methods see it that keep to one.
 
-use crate::controller::compensation::Way;
-use crate::geometry::{Angle, Point, Pose};
 use std::f64::consts::PI;
+use umwelt_core::controller::compensation::Way;
+use umwelt_core::geometry::{Angle, Point, Pose};
 
 /// A robot beside the line of its leg, as it travels: in reverse tail first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Twist;
+    use umwelt_core::geometry::Twist;
 
     fn way(pose: Pose, reverse: bool) -> Way {
         Way {

@@ -1,4 +1,4 @@
-//! Methods of others, to be compared with: each is a [`Compensation`](crate::controller::compensation::Compensation) of
+//! Methods of others, to be compared with: each is a [`Compensation`](umwelt_core::controller::compensation::Compensation) of
 //! the same controller.
 //!
 //! They drive the same tasks under the same limits and know the same robot; what is theirs is how they deal with delay.
@@ -12,7 +12,7 @@
 //! | `sliding-mode` | Zhang et al. 2019 | foresees the delay by a Markov chain; a sliding-mode law |
 //! | `gp-mpc` | Jang et al. 2019 | learns what the model misses by a Gaussian process; model predictive control |
 //!
-//! What the sources leave open is in a `Tuning` each. Its defaults are chosen by `cargo run --release -p umwelt-core
+//! What the sources leave open is in a `Tuning` each. Its defaults are chosen by `cargo run --release -p umwelt-lab
 //! --example tune_peers`, on seeds that nothing is reported of: the least deviation (that 90 % stay within, geometric mean
 //! over both links of the scenario `thesis`) among those who all arrive and take at most 5 % more time than the fastest.
 
@@ -29,7 +29,7 @@ pub use no_compensation::NoCompensation;
 pub use sliding_mode::{DelayChain, SlidingMode, SlidingTuning};
 pub use stop_when_stale::{StaleTuning, StopWhenStale};
 
-use crate::settings::{Method, Settings, VarianceLimits};
+use umwelt_core::settings::{Method, Settings, VarianceLimits};
 
 /// What every peer's controller is told: no identification of the floor, and no slowing down for what it does not know.
 pub fn heedless(told: &Settings) -> Settings {

@@ -1,9 +1,9 @@
 //! `no-compensation`: what a controller does that was written for a wire.
 
-use crate::controller::compensation::Compensation;
-use crate::geometry::Pose;
-use crate::prediction::Prediction;
-use crate::settings::Settings;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::geometry::Pose;
+use umwelt_core::prediction::Prediction;
+use umwelt_core::settings::Settings;
 
 /// Steers by the last pose as if the robot stood there now: no delay is made up for.
 ///

@@ -1,8 +1,8 @@
 //! `stop-when-stale`: what operators ask of a robot that has no other remedy.
 
 use super::heedless;
-use crate::controller::compensation::Compensation;
-use crate::settings::Settings;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::settings::Settings;
 
 /// The times after which it stops.
 #[derive(Clone, Copy, Debug, PartialEq)]

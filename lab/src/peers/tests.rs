@@ -1,8 +1,8 @@
 use super::*;
 use crate::comparison::ComparisonSettings;
-use crate::controller::Controller;
-use crate::controller::compensation::Compensation;
-use crate::episode::{Outcome, Scenario};
+use umwelt_core::controller::Controller;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::episode::{Outcome, Scenario};
 
 /// The thesis's trip over its normal link.
 fn scenario(settings: impl Fn(&Settings) -> Settings, slots: usize) -> Scenario {

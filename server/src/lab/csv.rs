@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use umwelt_api::comparison::TRIALS_COLUMNS;
-use umwelt_core::comparison::{Coverage, Distribution, Trial};
+use umwelt_lab::comparison::{Coverage, Distribution, Trial};
 
 /// The first line.
 pub(crate) fn header() -> String {

@@ -4,7 +4,7 @@
 /// Circles of imports: the files of each, below `src`.
 pub const CIRCLES: &[(&str, &[&[&str]])] = &[
     (
-        "umwelt-core",
+        "umwelt-lab",
         &[
             &[
                 "comparison/bootstrap.rs",
@@ -59,7 +59,7 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
 
 /// Files of 400 lines and more.
 pub const LONG: &[(&str, &[&str])] = &[
-    ("umwelt-core", &["evolution/mod.rs"]),
+    ("umwelt-lab", &["evolution/mod.rs"]),
     ("umwelt-server", &["robot/mod.rs", "robot/pilot.rs"]),
     ("umwelt-agent", &["options/mod.rs"]),
 ];

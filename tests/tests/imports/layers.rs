@@ -7,7 +7,7 @@ use crate::graph::{Graph, line};
 pub type Layers<'a> = &'a [&'a [&'a str]];
 
 /// The packages whose layers are known, and those.
-pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE)];
+pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE), ("umwelt-lab", LAB)];
 
 const CORE: Layers = &[
     &["robot/geometry/"],
@@ -27,10 +27,11 @@ const CORE: Layers = &[
     &["simulation/link/", "simulation/plant/"],
     &["simulation/episode/"],
     &["simulation/"],
-    &["seeds.rs"],
-    &["peers/", "evolution/", "comparison/"],
     &["lib.rs"],
 ];
+
+const LAB: Layers =
+    &[&["seeds.rs"], &["peers/", "evolution/", "comparison/"], &["wire/"], &["lib.rs"]];
 
 /// The imports from a file by one of a higher layer, one line each.
 pub fn upward(graph: &Graph, layers: Layers) -> Vec<String> {

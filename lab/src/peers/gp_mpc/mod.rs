@@ -21,12 +21,12 @@ pub use process::{GaussianProcess, GpTuning};
 pub use shooting::MpcTuning;
 
 use super::heedless;
-use crate::controller::compensation::{Compensation, Way};
-use crate::exchange::Observation;
-use crate::geometry::{Displacement, Pose, Twist};
-use crate::identification::Belief;
-use crate::prediction::{ErrorModel, Prediction};
-use crate::settings::{Attribution, PoseNoise, Settings};
+use umwelt_core::controller::compensation::{Compensation, Way};
+use umwelt_core::exchange::Observation;
+use umwelt_core::geometry::{Displacement, Pose, Twist};
+use umwelt_core::identification::Belief;
+use umwelt_core::prediction::{ErrorModel, Prediction};
+use umwelt_core::settings::{Attribution, PoseNoise, Settings};
 
 /// A gap between poses in s, beyond which the history begins anew: what was there before says nothing of now.
 const MAX_GAP: f64 = 0.5;

@@ -1,7 +1,7 @@
 //! Gaussian-process regression of one rate over time.
 
-use crate::geometry::elementary::exp;
 use nalgebra::{SMatrix, SVector};
+use umwelt_core::geometry::elementary::exp;
 
 /// Samples kept: 1.4 s in windows of 0.12 s, several times the delay.
 pub const SAMPLES: usize = 12;

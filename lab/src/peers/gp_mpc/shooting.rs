@@ -1,12 +1,12 @@
 //! A short model predictive controller that shoots: turns in two pieces, tried out on the kinematic model.
 
-use crate::controller::compensation::Way;
-use crate::geometry::elementary::{least, most, sin_cos};
-use crate::geometry::{Twist, length};
-use crate::kinematics::Drive;
 use crate::peers::line::Line;
-use crate::settings::Settings;
-use crate::steering;
+use umwelt_core::controller::compensation::Way;
+use umwelt_core::geometry::elementary::{least, most, sin_cos};
+use umwelt_core::geometry::{Twist, length};
+use umwelt_core::kinematics::Drive;
+use umwelt_core::settings::Settings;
+use umwelt_core::steering;
 
 /// Steps of a shot.
 const STEPS: usize = 8;
@@ -180,9 +180,9 @@ impl<'a> Shooting<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Pose};
-    use crate::kinematics::integrate;
     use proptest::prelude::*;
+    use umwelt_core::geometry::{Point, Pose};
+    use umwelt_core::kinematics::integrate;
 
     fn way(settings: &Settings, pose: Pose, previous: Twist, to: Point, reverse: bool) -> Way {
         let distance = pose.point().distance(to) - settings.steering.stop_radius / 2.0;

@@ -29,14 +29,14 @@ pub use chain::DelayChain;
 
 use super::heedless;
 use super::line::Line;
-use crate::controller::compensation::{Compensation, Way};
-use crate::exchange::Delivery;
-use crate::geometry::elementary::sin_cos;
-use crate::geometry::{Pose, Twist};
-use crate::identification::Belief;
-use crate::kinematics::Drive;
-use crate::prediction::ErrorModel;
-use crate::settings::{Attribution, Settings};
+use umwelt_core::controller::compensation::{Compensation, Way};
+use umwelt_core::exchange::Delivery;
+use umwelt_core::geometry::elementary::sin_cos;
+use umwelt_core::geometry::{Pose, Twist};
+use umwelt_core::identification::Belief;
+use umwelt_core::kinematics::Drive;
+use umwelt_core::prediction::ErrorModel;
+use umwelt_core::settings::{Attribution, Settings};
 
 /// Constants of chain and law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,8 +152,8 @@ fn reached(drive: &Drive, way: &Way) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Point;
-    use crate::kinematics::integrate;
+    use umwelt_core::geometry::Point;
+    use umwelt_core::kinematics::integrate;
 
     fn way(pose: Pose, previous: Twist, reverse: bool) -> Way {
         let to = Point::new(if reverse { -2.0 } else { 2.0 }, 0.0);

@@ -1,24 +1,25 @@
 //! The laws of evolutions.
 
-use super::strategies::{MAX, within};
-use super::{pairs, problems};
-use crate::evolution::{self, Request, Spec};
-use crate::problem::reason;
-use crate::{Problems, training};
+use super::{MAX, pairs, problems, within};
+use crate::evolution as lab;
+use crate::evolution::{ENVIRONMENTS, EvolutionSettings, TrainingEnvironment};
+use crate::wire;
+use crate::wire::training::built_in;
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
-use umwelt_core::evolution as core;
-use umwelt_core::evolution::{ENVIRONMENTS, EvolutionSettings, TrainingEnvironment};
+use umwelt_api::Problems;
+use umwelt_api::evolution::{self, Request, Spec};
+use umwelt_api::problem::reason;
 
 /// Settings that differ from a preset in everything that the wire can say.
 fn settings() -> impl Strategy<Value = EvolutionSettings> {
-    let preset = select(core::PRESETS.to_vec());
+    let preset = select(lab::PRESETS.to_vec());
     let environments = subsequence(ENVIRONMENTS.to_vec(), 1..=6);
     let optimizer = select(vec![
-        core::Optimizer::Genetic,
-        core::Optimizer::CmaEs,
-        core::Optimizer::EmpiricalBayes,
+        lab::Optimizer::Genetic,
+        lab::Optimizer::CmaEs,
+        lab::Optimizer::EmpiricalBayes,
     ]);
     let sizes = (2..=1000usize, 1..=50usize, 1..=20usize, 1..=500usize, 2..=1000usize);
     let genetic =
@@ -37,7 +38,7 @@ fn settings() -> impl Strategy<Value = EvolutionSettings> {
                 (population, generations, trials);
             (settings.selection_trials, settings.report_trials) = (selection_trials, report_trials);
             let (one, rest, expansion, elites) = genetic;
-            settings.genetic = core::GeneticSettings {
+            settings.genetic = lab::GeneticSettings {
                 crossover: one,
                 reproduction: (1.0 - one) * rest,
                 mutation: (1.0 - one) * (1.0 - rest),
@@ -53,48 +54,48 @@ fn settings() -> impl Strategy<Value = EvolutionSettings> {
 
 /// What asks for `settings`, whatever the preset.
 fn asking_for(settings: &EvolutionSettings) -> Value {
-    let mut spec = serde_json::to_value(Spec::from_core(settings, Some("mine"))).unwrap();
+    let mut spec = serde_json::to_value(wire::evolution::spec(settings, Some("mine"))).unwrap();
     // What neither preset nor request varies: noise, drive, task, and the rest of the controller.
     spec["preset"] = "thesis".into();
     spec
 }
 
 fn read(body: &Value) -> Result<(Request, EvolutionSettings), Problems> {
-    Request::read_known(body.to_string().as_bytes(), training::built_in)
+    wire::evolution::read(body.to_string().as_bytes(), built_in)
 }
 
 proptest! {
     #[test]
-    fn an_evolution_survives_the_wire(core in settings()) {
-        let (request, read) = read(&asking_for(&core)).unwrap();
+    fn an_evolution_survives_the_wire(lab in settings()) {
+        let (request, read) = read(&asking_for(&lab)).unwrap();
         prop_assert_eq!(request.prior.as_deref(), Some("mine"));
         // The horizon length is the only part of the controller in which presets differ.
-        prop_assert_eq!(&read, &core);
-        prop_assert_eq!(Spec::from_core(&read, Some("mine")), Spec::from_core(&core, Some("mine")));
-        let spec = serde_json::to_string(&Spec::from_core(&core, None)).unwrap();
-        prop_assert_eq!(serde_json::from_str::<Spec>(&spec).unwrap(), Spec::from_core(&core, None));
+        prop_assert_eq!(&read, &lab);
+        prop_assert_eq!(wire::evolution::spec(&read, Some("mine")), wire::evolution::spec(&lab, Some("mine")));
+        let spec = serde_json::to_string(&wire::evolution::spec(&lab, None)).unwrap();
+        prop_assert_eq!(serde_json::from_str::<Spec>(&spec).unwrap(), wire::evolution::spec(&lab, None));
     }
 
     /// Whatever one field of a request is replaced by, what comes out can run or is refused with that field.
     #[test]
-    fn nothing_gets_to_core_that_cannot_run(core in settings(), which in any::<prop::sample::Index>(),
+    fn nothing_gets_to_lab_that_cannot_run(lab in settings(), which in any::<prop::sample::Index>(),
                                             bad in select(vec![json!(1e308), json!(-1e-9), json!(0), json!(1), json!(u64::MAX), json!(""), Value::Null, json!([]), json!({})])) {
-        let mut body = asking_for(&core);
+        let mut body = asking_for(&lab);
         let names: Vec<String> = body.as_object().unwrap().keys().cloned().collect();
         body[&names[which.index(names.len())]] = bad;
         if let Ok((_, settings)) = read(&body) {
             prop_assert_eq!(settings.check(), Ok(()));
-            prop_assert!(core::Evolution::new(settings).is_ok());
+            prop_assert!(lab::Evolution::new(settings).is_ok());
         }
     }
 }
 
 #[test]
-fn presets_are_cores_and_an_empty_request_is_the_default() {
+fn presets_are_those_of_lab_and_an_empty_request_is_the_default() {
     let (request, settings) = read(&json!({})).unwrap();
     assert_eq!(Some(settings), EvolutionSettings::preset("default"));
     assert_eq!(request, Request::default());
-    for name in core::PRESETS {
+    for name in lab::PRESETS {
         let (request, settings) = read(&json!({ "preset": name })).unwrap();
         assert_eq!(request.preset.unwrap().name(), name);
         assert_eq!(Some(settings), EvolutionSettings::preset(name));
@@ -104,16 +105,16 @@ fn presets_are_cores_and_an_empty_request_is_the_default() {
 }
 
 #[test]
-fn limits_are_those_of_core() {
-    assert_eq!(*evolution::ENVIRONMENTS.end(), core::MAX_ENVIRONMENTS);
-    assert_eq!(*evolution::POPULATION.end(), core::MAX_POPULATION as u64);
-    assert_eq!(*evolution::GENERATIONS.end(), core::MAX_GENERATIONS as u64);
-    assert_eq!(*evolution::TRIALS.end(), core::MAX_TRIALS as u64);
-    assert_eq!(*evolution::SELECTION_TRIALS.end(), core::MAX_SELECTION_TRIALS as u64);
-    assert_eq!(*evolution::REPORT_TRIALS.end(), core::MAX_REPORT_TRIALS as u64);
-    assert_eq!(evolution::MAX_EPISODES, core::MAX_EPISODES);
-    assert_eq!(evolution::MAX_BATCH, core::MAX_BATCH);
-    assert_eq!(evolution::EXPANSION.max, core::MAX_EXPANSION);
+fn limits_are_those_of_lab() {
+    assert_eq!(*evolution::ENVIRONMENTS.end(), lab::MAX_ENVIRONMENTS);
+    assert_eq!(*evolution::POPULATION.end(), lab::MAX_POPULATION as u64);
+    assert_eq!(*evolution::GENERATIONS.end(), lab::MAX_GENERATIONS as u64);
+    assert_eq!(*evolution::TRIALS.end(), lab::MAX_TRIALS as u64);
+    assert_eq!(*evolution::SELECTION_TRIALS.end(), lab::MAX_SELECTION_TRIALS as u64);
+    assert_eq!(*evolution::REPORT_TRIALS.end(), lab::MAX_REPORT_TRIALS as u64);
+    assert_eq!(evolution::MAX_EPISODES, lab::MAX_EPISODES);
+    assert_eq!(evolution::MAX_BATCH, lab::MAX_BATCH);
+    assert_eq!(evolution::EXPANSION.max, lab::MAX_EXPANSION);
 }
 
 /// Each value alone is refused with its own field.
@@ -209,37 +210,37 @@ fn what_only_the_whole_can_say_is_said() {
     assert!(over.details()[0].remedy.contains("40000000"), "{over}");
 }
 
-/// A whole evolution, small, from request to report: what core says is what the wire says.
+/// A whole evolution, small, from request to report: what lab says is what the wire says.
 #[test]
 fn what_comes_of_an_evolution_is_told_unchanged() {
     let body = json!({"preset": "quick", "population": 2, "generations": 2, "trials": 1, "selection_trials": 1,
                       "report_trials": 2, "environments": ["normal"]});
     let (_, settings) = read(&body).unwrap();
-    let mut core = core::Evolution::new(settings).unwrap();
-    let queued = evolution::Progress::queued(&core);
+    let mut lab = lab::Evolution::new(settings).unwrap();
+    let queued = wire::evolution::queued(&lab);
     assert_eq!(
         (queued.stage, queued.generation, queued.generations),
         (evolution::Stage::Queued, 0, 2)
     );
     let mut generations = Vec::new();
-    while core.report().is_none() {
-        let evaluations: Vec<_> = core.jobs().iter().map(|job| core.evaluate(job)).collect();
-        generations.extend(core.tell(&evaluations).unwrap());
+    while lab.report().is_none() {
+        let evaluations: Vec<_> = lab.jobs().iter().map(|job| lab.evaluate(job)).collect();
+        generations.extend(lab.tell(&evaluations).unwrap());
         let fitness = generations.last().map(|it| it.fitness);
-        let progress = evolution::Progress::of(&core, fitness, 1.0, Some(f64::INFINITY));
+        let progress = wire::evolution::progress(&lab, fitness, 1.0, Some(f64::INFINITY));
         assert_eq!(progress.generation, generations.len() as u64);
         assert_eq!(progress.best_fitness, fitness.map(|it| it.best));
-        assert_eq!((progress.episodes, progress.remaining_s), (core.episodes(), None));
+        assert_eq!((progress.episodes, progress.remaining_s), (lab.episodes(), None));
     }
-    let report = core.report().unwrap();
+    let report = lab.report().unwrap();
     let champion = evolution::Champion::from(report);
     assert_eq!(champion.prior, report.champion.into());
     assert_eq!(champion.trials, 2);
-    for (wire, core) in champion.entries.iter().zip(&report.entries) {
-        assert_eq!((&wire.name, wire.fitness.mean), (&core.name, core.fitness.mean));
-        let zero = core.difference.is_some_and(|it| it.includes_zero());
+    for (wire, lab) in champion.entries.iter().zip(&report.entries) {
+        assert_eq!((&wire.name, wire.fitness.mean), (&lab.name, lab.fitness.mean));
+        let zero = lab.difference.is_some_and(|it| it.includes_zero());
         assert_eq!(wire.verdict.contains("includes zero"), zero, "{}", wire.verdict);
-        assert_eq!(wire.environments[0].deviation_m, core.environments[0].deviation);
+        assert_eq!(wire.environments[0].deviation_m, lab.environments[0].deviation);
     }
     let wire = evolution::Generation::from(&generations[1]);
     assert_eq!((wire.index, wire.best_fitness), (1, generations[1].fitness.best));
@@ -253,28 +254,9 @@ fn what_comes_of_an_evolution_is_told_unchanged() {
 }
 
 #[test]
-fn names_are_those_of_the_wire() {
-    for state in evolution::State::ALL {
-        assert_eq!(serde_json::to_value(state).unwrap(), state.name());
-    }
-    for figure in evolution::Figure::ALL {
-        assert_eq!(serde_json::to_value(figure).unwrap(), figure.name());
-        assert_eq!(evolution::Figure::named(figure.name()), Some(figure));
-    }
-    assert_eq!(evolution::Figure::named("speed"), None);
-    use evolution::{Optimizer, Stage};
+fn optimizers_are_those_of_lab() {
+    use evolution::Optimizer;
     for optimizer in [Optimizer::Genetic, Optimizer::CmaEs, Optimizer::EmpiricalBayes] {
-        assert_eq!(serde_json::to_value(optimizer).unwrap(), optimizer.name());
-        assert_eq!(Optimizer::from(core::Optimizer::from(optimizer)), optimizer);
-    }
-    for stage in [
-        Stage::Queued,
-        Stage::Reference,
-        Stage::Generations,
-        Stage::Selection,
-        Stage::Report,
-        Stage::Done,
-    ] {
-        assert_eq!(serde_json::to_value(stage).unwrap(), stage.name());
+        assert_eq!(Optimizer::from(lab::Optimizer::from(optimizer)), optimizer);
     }
 }

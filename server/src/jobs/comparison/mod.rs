@@ -7,7 +7,7 @@ use crate::jobs::{Told, Work};
 use crate::store::JobKind;
 use crate::store::document::Form;
 use umwelt_api::PriorId;
-use umwelt_core::comparison::{
+use umwelt_lab::comparison::{
     Comparison, ComparisonSettings, Distribution, Evaluation, Job, Report, STATE_VERSION, Stage,
     State,
 };

@@ -3,7 +3,7 @@
 use super::*;
 use crate::jobs::{Checkpoint, PART, Record, Unusable, part_body, read_part};
 use crate::store::document::tests::{golden, one_field_less};
-use umwelt_core::comparison::SCENARIOS;
+use umwelt_lab::comparison::SCENARIOS;
 
 type Kept = Checkpoint<Comparison>;
 

@@ -11,7 +11,7 @@ use crate::library::priors::Priors;
 use crate::store::document::Form;
 use crate::store::{JobId, JobKind};
 use umwelt_api::PriorId;
-use umwelt_core::evolution::{
+use umwelt_lab::evolution::{
     Evaluation, Evolution, EvolutionSettings, Generation, Job, Report, STATE_VERSION, Spread,
     Stage, State,
 };

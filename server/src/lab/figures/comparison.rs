@@ -6,7 +6,7 @@ use super::{
 };
 use plotters::prelude::RGBColor;
 use umwelt_api::comparison::Figure;
-use umwelt_core::comparison::{ComparisonSettings, Contender, Distribution, Trial};
+use umwelt_lab::comparison::{ComparisonSettings, Contender, Distribution, Trial};
 
 /// Curves of one panel at most: more can no longer be told apart.
 const MOST_CURVES: usize = 6;

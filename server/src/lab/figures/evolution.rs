@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, is_drawable};
 use super::{Curve, FigureError, Heading, LEADING, Panel, REFERENCE, SECOND, Stroke, page};
-use umwelt_core::evolution::{
+use umwelt_lab::evolution::{
     EvolutionSettings, Generation, GenerationEnvironment, Optimizer, Spread,
 };
 

@@ -12,7 +12,7 @@ use umwelt_api::comparison::{
     Claim, DEFAULT_PRIOR, Entry, EnvironmentReport, Estimate, Figure, Quantities, Reductions,
     Report,
 };
-use umwelt_core::comparison::{BASELINE, CHAMPION, ComparisonSettings};
+use umwelt_lab::comparison::{BASELINE, CHAMPION, ComparisonSettings};
 
 /// The report. `prior` is the name of the prior of `bayesian`; the figures are those of [`Figure`], beside it.
 pub(crate) fn markdown(settings: &ComparisonSettings, prior: &str, report: &Report) -> String {
@@ -170,7 +170,7 @@ fn honesty(text: &mut String) -> fmt::Result {
          for a trial in which it was not. Where floor or link change on the way there is no right one.\n\
          * *90 % intervals hold*: the share of samples within the interval that was predicted for each before it came, from \
          the tenth on. An evolved prior is made for driving and not for honesty: far more than 90 % is caution. \
-         `{BASELINE}` takes the camera's noise for slip, and so counts it twice. `cargo run --release -p umwelt-core --example \
+         `{BASELINE}` takes the camera's noise for slip, and so counts it twice. `cargo run --release -p umwelt-lab --example \
          belief_calibration` asks it of robots whose floor is drawn from their prior, where 90 % must come out.\n"
     )
 }

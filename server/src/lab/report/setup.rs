@@ -1,7 +1,7 @@
 //! How it was set up: every constant, and why it is what it is where the thesis does not say.
 
 use std::fmt::{self, Write};
-use umwelt_core::comparison::{ComparisonSettings, REFERENCE_TRIALS, SAMPLES_BEFORE};
+use umwelt_lab::comparison::{ComparisonSettings, REFERENCE_TRIALS, SAMPLES_BEFORE};
 
 pub(super) fn write(text: &mut String, settings: &ComparisonSettings) -> fmt::Result {
     let ComparisonSettings { controller, task, environments, time_limit, .. } = settings;
@@ -108,7 +108,7 @@ pub(super) fn write(text: &mut String, settings: &ComparisonSettings) -> fmt::Re
         text,
         "\nHow each environment shows in the samples is measured on {REFERENCE_TRIALS} robots of `statistic` per number of \
          slots, on seeds of their own; intervals are asked of a channel after {SAMPLES_BEFORE} samples. The peers' constants \
-         were tuned on other seeds (`cargo run --release -p umwelt-core --example tune_peers`)."
+         were tuned on other seeds (`cargo run --release -p umwelt-lab --example tune_peers`)."
     )
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 use umwelt_api::comparison::{Claim, Entry, EnvironmentReport, Estimate, Reductions, Report};
-use umwelt_core::comparison::{BASELINE, CHAMPION};
+use umwelt_lab::comparison::{BASELINE, CHAMPION};
 
 pub(super) fn write(text: &mut String, report: &Report) -> fmt::Result {
     if report.claims.is_empty() {

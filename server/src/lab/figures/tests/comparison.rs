@@ -5,7 +5,7 @@ use super::super::{FigureError, UNIT};
 use super::reading::{nothing_overlaps_within, number, of_class, rectangle, texts};
 use roxmltree::{Document, Node};
 use umwelt_api::comparison::Figure;
-use umwelt_core::comparison::{ComparisonSettings, Distribution, Trial};
+use umwelt_lab::comparison::{ComparisonSettings, Distribution, Trial};
 
 fn settings() -> ComparisonSettings {
     ComparisonSettings::scenario("thesis").unwrap()

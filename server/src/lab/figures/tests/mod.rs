@@ -8,10 +8,10 @@ use super::{FigureError, LEADING, SECOND, Stroke, UNIT};
 use proptest::prelude::*;
 use reading::{lines, nothing_overlaps_within, number, of_class, rectangle, ruler, texts, tops};
 use roxmltree::{Document, Node};
-use umwelt_core::evolution::{
+use umwelt_core::settings::Prior;
+use umwelt_lab::evolution::{
     EvolutionSettings, Generation, GenerationEnvironment, Optimizer, Spread,
 };
-use umwelt_core::settings::Prior;
 
 fn settings() -> EvolutionSettings {
     EvolutionSettings::preset("quick").unwrap()

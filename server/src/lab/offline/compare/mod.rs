@@ -11,14 +11,15 @@ use std::io::Write;
 use std::path::Path;
 use umwelt_api::comparison::{Figure, Request};
 use umwelt_api::prior;
-use umwelt_core::comparison::{Comparison, ComparisonSettings, Distribution, Stage};
+use umwelt_lab::comparison::{Comparison, ComparisonSettings, Distribution, Stage};
+use umwelt_lab::wire;
 
 /// Compares methods and writes what came of it to `output`; progress goes to standard error.
 ///
 /// # Errors
 /// Where the request makes no sense, the comparison breaks off or the result cannot be written.
 pub fn compare(order: &Order<Request>, output: &mut dyn Write) -> Result<(), Error> {
-    let settings = order.request.to_core(prior::built_in)?;
+    let settings = wire::comparison::settings(&order.request, prior::built_in)?;
     let done = super::run::<Comparison, _>(settings, order, |comparison, _| stage(comparison))?;
     let outcome = Outcome::new(&order.request, &done)?;
     if let Some(folder) = &order.folder {

@@ -4,7 +4,8 @@ use super::Error;
 use crate::lab::offline::{Done, pretty};
 use serde::Serialize;
 use umwelt_api::comparison::{Report, Request, Spec};
-use umwelt_core::comparison::Comparison;
+use umwelt_lab::comparison::Comparison;
+use umwelt_lab::wire;
 
 /// What came of an offline comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,7 +28,7 @@ impl Outcome {
     pub(super) fn new(request: &Request, done: &Done<Comparison>) -> Result<Self, Error> {
         let missing = || Error::BrokenOff("there is no report".to_owned());
         Ok(Self {
-            spec: Spec::from_core(done.work.settings(), request.prior_name()),
+            spec: wire::comparison::spec(done.work.settings(), request.prior_name()),
             report: Report::from(done.work.report().ok_or_else(missing)?),
             episodes: done.work.episodes(),
             threads: done.threads,

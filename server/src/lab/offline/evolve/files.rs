@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::Path;
 use umwelt_api::evolution::Generation as Shown;
 use umwelt_api::prior;
-use umwelt_core::evolution::{EvolutionSettings, Generation};
+use umwelt_lab::evolution::{EvolutionSettings, Generation};
 
 /// Fills the folder.
 pub(super) fn write(

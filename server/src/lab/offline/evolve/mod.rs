@@ -8,15 +8,15 @@ use super::{Error, Order, say};
 use outcome::Outcome;
 use std::io::Write;
 use umwelt_api::evolution::Request;
-use umwelt_api::training;
-use umwelt_core::evolution::{Evolution, Spread, Stage};
+use umwelt_lab::evolution::{Evolution, Spread, Stage};
+use umwelt_lab::wire;
 
 /// Evolves a prior and writes what came of it to `output`; progress goes to standard error.
 ///
 /// # Errors
 /// Where the request makes no sense, the evolution breaks off or the result cannot be written.
 pub fn evolve(order: &Order<Request>, output: &mut dyn Write) -> Result<(), Error> {
-    let settings = order.request.to_core(training::built_in)?;
+    let settings = wire::evolution::settings(&order.request, wire::training::built_in)?;
     let done = super::run::<Evolution, _>(settings, order, stage)?;
     let outcome = Outcome::new(&order.request, &done)?;
     if let Some(folder) = &order.folder {

@@ -4,7 +4,8 @@ use super::Error;
 use crate::lab::offline::{Done, pretty};
 use serde::Serialize;
 use umwelt_api::evolution::{Champion, Entry, Estimate, Preset, Request, Spec};
-use umwelt_core::evolution::Evolution;
+use umwelt_lab::evolution::Evolution;
+use umwelt_lab::wire;
 
 /// What came of an offline evolution.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,7 +36,7 @@ impl Outcome {
         let missing = || Error::BrokenOff("there is no report".to_owned());
         let champion = Champion::from(evolution.report().ok_or_else(missing)?);
         let fitness = champion.entries.first().ok_or_else(missing)?.fitness;
-        let spec = Spec::from_core(evolution.settings(), request.prior.as_deref());
+        let spec = wire::evolution::spec(evolution.settings(), request.prior.as_deref());
         Ok(Self {
             preset: request.preset.unwrap_or_default(),
             seed: spec.seed,
