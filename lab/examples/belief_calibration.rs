@@ -6,7 +6,6 @@
 //! is exact.
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
-#![allow(clippy::disallowed_methods, reason = "an example may use all cores")]
 
 use std::thread;
 use umwelt_core::identification::estimate::Channel;

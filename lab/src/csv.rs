@@ -1,16 +1,16 @@
 //! Every trial of a comparison as lines of text.
 
+use crate::comparison::{Coverage, Distribution, Trial};
 use std::fmt::Write;
 use umwelt_api::comparison::TRIALS_COLUMNS;
-use umwelt_lab::comparison::{Coverage, Distribution, Trial};
 
 /// The first line.
-pub(crate) fn header() -> String {
+pub fn header() -> String {
     TRIALS_COLUMNS.join(",") + "\n"
 }
 
 /// One line for each trial. Names are core's own, so none needs quotes.
-pub(crate) fn rows(Distribution { environment, contender, trials }: &Distribution) -> String {
+pub fn rows(Distribution { environment, contender, trials }: &Distribution) -> String {
     let mut text = String::new();
     for (index, trial) in trials.iter().enumerate() {
         let Trial { arrived, time, deviation, recognised, coverage } = trial;

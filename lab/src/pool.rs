@@ -1,11 +1,11 @@
-//! Drives the episodes of jobs on threads of their own.
+//! Drives the episodes of evolutions and comparisons on threads of their own.
 //!
 //! Invariants: evaluations are told in the order of the batch, so the number of threads never shows in a result; a
 //! batch that is stopped or fails leaves its job as it was before it; whoever stops one waits for no more than the
 //! episodes that are being driven; jobs that run at the same time share the threads evenly, and none waits for another
-//! one's batch. Nothing here knows the store, the wire or the async part of the server.
+//! one's batch.
 
-use super::work::{Told, Work};
+use crate::work::{Told, Work};
 use rayon::prelude::*;
 use std::any::Any;
 use std::io;
@@ -34,23 +34,23 @@ const TURN: usize = 64;
 
 /// Threads that drive episodes.
 #[derive(Debug)]
-pub(crate) struct Pool(rayon::ThreadPool);
+pub struct Pool(rayon::ThreadPool);
 
 /// How far a batch has got, and whether it is to go on: shared between who evaluates and who watches.
 #[derive(Debug, Default)]
-pub(crate) struct Meter {
+pub struct Meter {
     episodes: AtomicU64,
     stopped: AtomicBool,
 }
 
 impl Meter {
     /// Episodes that the job has driven, those of the batch that is going on included.
-    pub(crate) fn episodes(&self) -> u64 {
+    pub fn episodes(&self) -> u64 {
         self.episodes.load(Ordering::Relaxed)
     }
 
     /// Ends the batch as soon as the episodes that are being driven have ended.
-    pub(crate) fn stop(&self) {
+    pub fn stop(&self) {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
@@ -61,7 +61,7 @@ impl Meter {
 
 /// Why a batch did not come to its end.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum Halt {
+pub enum Halt {
     /// Somebody stopped it; the job is as it was before the batch.
     #[error("it was stopped")]
     Stopped,
@@ -78,7 +78,7 @@ impl Pool {
     ///
     /// # Errors
     /// Where the system does not give the threads.
-    pub(crate) fn new(threads: Option<usize>, priority: Priority) -> io::Result<Self> {
+    pub fn new(threads: Option<usize>, priority: Priority) -> io::Result<Self> {
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.unwrap_or(0))
             .thread_name(|index| format!("episodes-{index}"))
@@ -93,12 +93,12 @@ impl Pool {
     }
 
     /// Does `work` on a thread of the pool, and so at its priority. Blocks until it is done.
-    pub(super) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.0.install(work)
     }
 
     /// How many threads there are.
-    pub(crate) fn threads(&self) -> usize {
+    pub fn threads(&self) -> usize {
         self.0.current_num_threads()
     }
 
@@ -106,7 +106,7 @@ impl Pool {
     ///
     /// # Errors
     /// Where it was stopped or failed; after a panic the work is not to be used any more.
-    pub(crate) fn step<W: Work>(&self, work: &mut W, meter: &Meter) -> Result<Told<W>, Halt> {
+    pub fn step<W: Work>(&self, work: &mut W, meter: &Meter) -> Result<Told<W>, Halt> {
         meter.episodes.store(work.episodes(), Ordering::Relaxed);
         guarded(|| {
             // All of it in the pool: making a batch and breeding take time too.
@@ -150,6 +150,11 @@ fn said(panic: &(dyn Any + Send)) -> String {
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("nothing").to_owned()
 }
 
+/// Time in s that will still be needed at the pace so far; none where nothing has been done yet.
+pub fn remaining(elapsed: f64, episodes: u64, total: u64) -> Option<f64> {
+    (episodes > 0).then(|| elapsed / episodes as f64 * total.saturating_sub(episodes) as f64)
+}
+
 /// Puts the calling thread behind all others.
 fn lower() {
     static WARNED: Once = Once::new();
@@ -164,8 +169,8 @@ fn lower() {
 
 #[cfg(test)]
 mod tests {
-    use super::super::toy::{Toy, Wishes};
     use super::*;
+    use crate::toy::{Toy, Wishes};
     use std::sync::Arc;
     use std::sync::mpsc;
     use std::thread;

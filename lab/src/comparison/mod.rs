@@ -30,6 +30,7 @@ mod report;
 mod scenario;
 mod settings;
 mod witness;
+mod work;
 
 pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
 pub use report::{

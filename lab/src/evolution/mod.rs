@@ -37,6 +37,7 @@ mod genome;
 mod hopeless;
 mod report;
 mod settings;
+mod work;
 
 pub use environment::{
     ENVIRONMENTS, Fitness, FitnessLimits, SMALLEST_DEVIATION, TrainingEnvironment,

@@ -4,9 +4,9 @@ use super::axis::Axis;
 use super::{
     Curve, FigureError, Heading, INK, LEADING, Marker, Panel, Point, SECOND, Stroke, page,
 };
+use crate::comparison::{ComparisonSettings, Contender, Distribution, Trial};
 use plotters::prelude::RGBColor;
 use umwelt_api::comparison::Figure;
-use umwelt_lab::comparison::{ComparisonSettings, Contender, Distribution, Trial};
 
 /// Curves of one panel at most: more can no longer be told apart.
 const MOST_CURVES: usize = 6;

@@ -2,9 +2,7 @@
 
 use super::axis::{Axis, is_drawable};
 use super::{Curve, FigureError, Heading, LEADING, Panel, REFERENCE, SECOND, Stroke, page};
-use umwelt_lab::evolution::{
-    EvolutionSettings, Generation, GenerationEnvironment, Optimizer, Spread,
-};
+use crate::evolution::{EvolutionSettings, Generation, GenerationEnvironment, Optimizer, Spread};
 
 /// Panels share their vertical scale where the lowest of them still takes this share of the height.
 const SHARED_SCALE: f64 = 0.4;

@@ -5,20 +5,22 @@
 //! that it goes to.
 
 mod compare;
+mod error;
 mod evolve;
 mod folder;
 mod progress;
 
 pub use compare::compare;
+pub use error::Error;
 pub use evolve::evolve;
 
-use crate::jobs::{Meter, Pool, Priority, Work};
+use crate::pool::{Meter, Pool, Priority};
+use crate::work::Work;
 use progress::Progress;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use umwelt_api::Problems;
 
 /// What is to be done, and where the result goes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,28 +33,6 @@ pub struct Order<R> {
     pub json: bool,
     /// A folder to be filled with the result and its figures.
     pub folder: Option<PathBuf>,
-}
-
-/// Why there is no result.
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    /// The request makes no sense.
-    #[error("that cannot run: {0}")]
-    Invalid(#[from] Problems),
-    /// It broke off.
-    #[error("it broke off: {0}")]
-    BrokenOff(String),
-    /// It gives no result, and why.
-    #[error("it has failed: {0}")]
-    Hopeless(String),
-    /// Its result could not be written.
-    #[error("{what}: {error}")]
-    Unwritten {
-        /// What could not be written.
-        what: String,
-        /// Why.
-        error: io::Error,
-    },
 }
 
 /// What was done.

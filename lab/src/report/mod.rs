@@ -7,15 +7,15 @@
 mod setup;
 mod why;
 
+use crate::comparison::{BASELINE, CHAMPION, ComparisonSettings};
 use std::fmt::{self, Write};
 use umwelt_api::comparison::{
     Claim, DEFAULT_PRIOR, Entry, EnvironmentReport, Estimate, Figure, Quantities, Reductions,
     Report,
 };
-use umwelt_lab::comparison::{BASELINE, CHAMPION, ComparisonSettings};
 
 /// The report. `prior` is the name of the prior of `bayesian`; the figures are those of [`Figure`], beside it.
-pub(crate) fn markdown(settings: &ComparisonSettings, prior: &str, report: &Report) -> String {
+pub fn markdown(settings: &ComparisonSettings, prior: &str, report: &Report) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = write(&mut text, settings, prior, report);

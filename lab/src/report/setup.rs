@@ -1,7 +1,7 @@
 //! How it was set up: every constant, and why it is what it is where the thesis does not say.
 
+use crate::comparison::{ComparisonSettings, REFERENCE_TRIALS, SAMPLES_BEFORE};
 use std::fmt::{self, Write};
-use umwelt_lab::comparison::{ComparisonSettings, REFERENCE_TRIALS, SAMPLES_BEFORE};
 
 pub(super) fn write(text: &mut String, settings: &ComparisonSettings) -> fmt::Result {
     let ComparisonSettings { controller, task, environments, time_limit, .. } = settings;

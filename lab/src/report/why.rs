@@ -1,8 +1,8 @@
 //! Where the claims hold, where not, and why, as far as the numbers say.
 
+use crate::comparison::{BASELINE, CHAMPION};
 use std::fmt::{self, Write};
 use umwelt_api::comparison::{Claim, Entry, EnvironmentReport, Estimate, Reductions, Report};
-use umwelt_lab::comparison::{BASELINE, CHAMPION};
 
 pub(super) fn write(text: &mut String, report: &Report) -> fmt::Result {
     if report.claims.is_empty() {

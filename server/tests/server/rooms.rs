@@ -4,8 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the top down.
-const ROOMS: [&str; 8] =
-    ["program", "http", "lab", "jobs", "fleet", "library", "store", "resource"];
+const ROOMS: [&str; 7] = ["program", "http", "jobs", "fleet", "library", "store", "resource"];
 
 /// Arrows upward that are still there: file and room.
 const LEFT: [(&str, &str); 1] = [("library/priors.rs", "fleet")];

@@ -50,7 +50,6 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
             ],
             &["jobs/dispatch.rs", "jobs/job.rs", "jobs/queue.rs"],
             &["jobs/record.rs", "jobs/work.rs"],
-            &["offline/folder.rs", "offline/mod.rs"],
             &["store/sqlite/files.rs", "store/sqlite/open.rs"],
         ],
     ),

@@ -30,8 +30,14 @@ const CORE: Layers = &[
     &["lib.rs"],
 ];
 
-const LAB: Layers =
-    &[&["seeds.rs"], &["peers/", "evolution/", "comparison/"], &["wire/"], &["lib.rs"]];
+const LAB: Layers = &[
+    &["seeds.rs", "work.rs"],
+    &["peers/", "evolution/", "comparison/"],
+    &["wire/"],
+    &["pool.rs", "csv.rs", "figures/", "report/"],
+    &["offline/"],
+    &["lib.rs"],
+];
 
 /// The imports from a file by one of a higher layer, one line each.
 pub fn upward(graph: &Graph, layers: Layers) -> Vec<String> {

@@ -3,9 +3,9 @@
 use super::super::comparison::svg;
 use super::super::{FigureError, UNIT};
 use super::reading::{nothing_overlaps_within, number, of_class, rectangle, texts};
+use crate::comparison::{ComparisonSettings, Distribution, Trial};
 use roxmltree::{Document, Node};
 use umwelt_api::comparison::Figure;
-use umwelt_lab::comparison::{ComparisonSettings, Distribution, Trial};
 
 fn settings() -> ComparisonSettings {
     ComparisonSettings::scenario("thesis").unwrap()

@@ -5,13 +5,11 @@ mod reading;
 
 use super::evolution::{Figure, svg};
 use super::{FigureError, LEADING, SECOND, Stroke, UNIT};
+use crate::evolution::{EvolutionSettings, Generation, GenerationEnvironment, Optimizer, Spread};
 use proptest::prelude::*;
 use reading::{lines, nothing_overlaps_within, number, of_class, rectangle, ruler, texts, tops};
 use roxmltree::{Document, Node};
 use umwelt_core::settings::Prior;
-use umwelt_lab::evolution::{
-    EvolutionSettings, Generation, GenerationEnvironment, Optimizer, Spread,
-};
 
 fn settings() -> EvolutionSettings {
     EvolutionSettings::preset("quick").unwrap()

@@ -4,15 +4,15 @@ mod outcome;
 mod text;
 
 use super::{Error, Order, folder, say};
-use crate::lab::figures::comparison::svg;
-use crate::lab::{csv, report};
+use crate::comparison::{Comparison, ComparisonSettings, Distribution, Stage};
+use crate::figures::comparison::svg;
+use crate::wire;
+use crate::{csv, report};
 use outcome::Outcome;
 use std::io::Write;
 use std::path::Path;
 use umwelt_api::comparison::{Figure, Request};
 use umwelt_api::prior;
-use umwelt_lab::comparison::{Comparison, ComparisonSettings, Distribution, Stage};
-use umwelt_lab::wire;
 
 /// Compares methods and writes what came of it to `output`; progress goes to standard error.
 ///

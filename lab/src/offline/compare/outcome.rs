@@ -1,11 +1,11 @@
 //! What an offline comparison says at its end: in the words of the contract, so that both doors say the same.
 
 use super::Error;
-use crate::lab::offline::{Done, pretty};
+use crate::comparison::Comparison;
+use crate::offline::{Done, pretty};
+use crate::wire;
 use serde::Serialize;
 use umwelt_api::comparison::{Report, Request, Spec};
-use umwelt_lab::comparison::Comparison;
-use umwelt_lab::wire;
 
 /// What came of an offline comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]

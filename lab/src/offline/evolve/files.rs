@@ -1,14 +1,14 @@
 //! The files of an offline evolution: what `umwelt prior put` takes, the report, the generations and their figures.
 
 use super::{Error, Outcome};
-use crate::lab::figures::evolution::{Figure, svg};
-use crate::lab::offline::folder::{put, put_figure};
-use crate::lab::offline::pretty;
+use crate::evolution::{EvolutionSettings, Generation};
+use crate::figures::evolution::{Figure, svg};
+use crate::offline::folder::{put, put_figure};
+use crate::offline::pretty;
 use std::fmt::Write;
 use std::path::Path;
 use umwelt_api::evolution::Generation as Shown;
 use umwelt_api::prior;
-use umwelt_lab::evolution::{EvolutionSettings, Generation};
 
 /// Fills the folder.
 pub(super) fn write(

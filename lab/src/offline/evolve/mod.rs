@@ -5,11 +5,11 @@ mod outcome;
 mod text;
 
 use super::{Error, Order, say};
+use crate::evolution::{Evolution, Spread, Stage};
+use crate::wire;
 use outcome::Outcome;
 use std::io::Write;
 use umwelt_api::evolution::Request;
-use umwelt_lab::evolution::{Evolution, Spread, Stage};
-use umwelt_lab::wire;
 
 /// Evolves a prior and writes what came of it to `output`; progress goes to standard error.
 ///

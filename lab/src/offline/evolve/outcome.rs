@@ -1,11 +1,11 @@
 //! What an offline evolution says at its end: in the words of the contract, so that both doors say the same.
 
 use super::Error;
-use crate::lab::offline::{Done, pretty};
+use crate::evolution::Evolution;
+use crate::offline::{Done, pretty};
+use crate::wire;
 use serde::Serialize;
 use umwelt_api::evolution::{Champion, Entry, Estimate, Preset, Request, Spec};
-use umwelt_lab::evolution::Evolution;
-use umwelt_lab::wire;
 
 /// What came of an offline evolution.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -6,8 +6,6 @@ use crate::http::app::App;
 use crate::http::documents::Name;
 use crate::http::extract::{Body, Named};
 use crate::jobs::{Job, Jobs, Shown, Submission};
-use crate::lab::figures::comparison::svg;
-use crate::lab::{csv, report};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::{self, Failure};
@@ -23,7 +21,9 @@ use umwelt_api::comparison::{self, Figure, Page, Request};
 use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_lab::comparison::{Comparison, Distribution};
+use umwelt_lab::figures::comparison::svg;
 use umwelt_lab::wire;
+use umwelt_lab::{csv, report};
 
 pub(crate) async fn submit(
     State(app): State<App>,

@@ -10,7 +10,6 @@ use crate::http::app::App;
 use crate::http::extract::{Body, Named};
 use crate::jobs::evolution::claim;
 use crate::jobs::{Job, Jobs, Shown, Submission};
-use crate::lab::figures::evolution::{Figure, svg};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::Failure;
@@ -24,6 +23,7 @@ use umwelt_api::evolution::{self, Event, Generation, GenerationsPage, Kind, Page
 use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_lab::evolution::Evolution;
+use umwelt_lab::figures::evolution::{Figure, svg};
 use umwelt_lab::wire;
 
 /// Generations that are read for a stream at a time.
