@@ -5,7 +5,7 @@
 //! The rule: all robots arrive; the median time, mean over the links, is within 5 % of the best; of those, the least
 //! score: the deviation that 90 % stay within, geometric mean over the links. `-` before PEER drives the tuned one alone.
 
-#![allow(clippy::print_stdout, clippy::disallowed_methods, reason = "an example prints, and times")]
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 use std::time::Instant;
 use umwelt_core::controller::Controller;

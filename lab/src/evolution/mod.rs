@@ -27,16 +27,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod breeding;
 mod cma_es;
 mod empirical_bayes;
+mod ending;
 mod environment;
 pub mod event_probability;
+mod fitness;
 mod generation;
 mod genetic;
 mod genome;
 mod hopeless;
+mod job;
 mod report;
+mod search;
 mod settings;
+mod state;
 mod work;
 
 pub use environment::{
@@ -45,27 +51,22 @@ pub use environment::{
 pub use generation::{Generation, GenerationEnvironment, Spread};
 pub use genetic::GeneticSettings;
 pub use hopeless::{HOPELESS_GENERATIONS, Hopeless};
+pub use job::{Evaluation, Job, TellError};
 pub use report::{Entry, EnvironmentResult, Estimate, LEVEL, Report};
 pub use settings::{
     EvolutionSettings, MAX_BATCH, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,
     MAX_POPULATION, MAX_REPORT_TRIALS, MAX_SELECTION_TRIALS, MAX_TRIALS, Optimizer, PRESETS,
     SettingsError,
 };
+pub use state::{STATE_VERSION, Stage, State};
 
 use crate::seeds::{self, Purpose};
-use cma_es::CmaEs;
-use genome::Genome;
-use report::Driven;
-use serde::{Deserialize, Serialize};
-use umwelt_core::conjugate::SampleStatistics;
+use search::Search;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::Pose;
 use umwelt_core::identification::estimate::Channel;
 use umwelt_core::plant::PlantModel;
 use umwelt_core::settings::{Method, PoseNoise, Prior, Settings};
-
-/// Version of the stored state; a state of another version is not taken up.
-pub const STATE_VERSION: u32 = 1;
 
 /// Episodes of fixed-normal in each environment, whose mean fitness becomes the unit.
 pub const REFERENCE_TRIALS: usize = 200;
@@ -76,108 +77,11 @@ pub const CANDIDATES: usize = 10;
 /// Time in s that an episode may take beyond `FitnessLimits::time`: the calibration takes about 20 s.
 const CALIBRATION_TIME: f64 = 40.0;
 
-/// How far an evolution has got.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
-    /// Fixed-normal sets the unit of fitness.
-    Reference,
-    /// The generation of this number is evaluated.
-    Generations {
-        /// From 0.
-        generation: usize,
-    },
-    /// The candidates are compared.
-    Selection,
-    /// The champion is measured.
-    Report,
-    /// There is a report.
-    Done,
-}
-
-/// One episode to drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Job {
-    /// Number of the individual, of the candidate or of who is reported.
-    subject: usize,
-    environment: usize,
-    seed: u64,
-}
-
-/// What came of one episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Evaluation {
-    /// Whether the robot arrived.
-    pub arrived: bool,
-    /// Time in s from the end of the calibration to the arrival, or to the time limit.
-    pub time: f64,
-    /// Largest deviation in m of the true position.
-    pub deviation: f64,
-    /// The samples of each channel, in the order of [`Channel::ALL`].
-    pub samples: [SampleStatistics; 4],
-}
-
-/// Evaluations do not belong to the jobs that were asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{given} evaluations for {asked} jobs")]
-pub struct TellError {
-    /// How many there were.
-    pub given: usize,
-    /// How many there should be.
-    pub asked: usize,
-}
-
-/// What the optimiser knows between two generations.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Search {
-    Genetic {
-        population: Vec<Genome>,
-    },
-    CmaEs {
-        search: CmaEs,
-        population: Vec<Genome>,
-    },
-    /// One individual, which has the trials of a whole population.
-    EmpiricalBayes {
-        fitted: [Genome; 1],
-    },
-}
-
-impl Search {
-    fn individuals(&self) -> &[Genome] {
-        match self {
-            Self::Genetic { population } | Self::CmaEs { population, .. } => population,
-            Self::EmpiricalBayes { fitted } => fitted,
-        }
-    }
-}
-
 /// An evolution: settings, and how far it has got.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evolution {
     settings: EvolutionSettings,
     state: State,
-}
-
-/// How far an evolution has got: what is stored between two `tell`s, beside its settings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    version: u32,
-    stage: Stage,
-    search: Search,
-    /// What fixed-normal's fitness is in each environment; empty before it is known.
-    units: Vec<f64>,
-    first_generation: Option<Genome>,
-    candidates: Vec<Genome>,
-    champion: Option<Genome>,
-    report: Option<Report>,
-    episodes: u64,
-    /// Episodes of the reference and the generations in which the robot arrived; none where an older program began it.
-    #[serde(default)]
-    arrivals: Option<u64>,
-    #[serde(default)]
-    hopeless: Option<Hopeless>,
 }
 
 impl Evolution {
@@ -187,35 +91,7 @@ impl Evolution {
     /// The first thing that is wrong with the settings.
     pub fn new(settings: EvolutionSettings) -> Result<Self, SettingsError> {
         settings.check()?;
-        let drift = settings.controller.drift;
-        let genes = genome::prior_genes(drift);
-        let mut rng = seeds::rng(settings.seed, Purpose::Populate, 0);
-        let weak = genome::of_prior(&Prior::default(), drift);
-        let search = match settings.optimizer {
-            Optimizer::Genetic => {
-                let population = genetic::populate(&genes, settings.population, &mut rng);
-                Search::Genetic { population }
-            }
-            Optimizer::CmaEs => {
-                let search = CmaEs::new(&genes, &weak);
-                let population = search.ask(&genes, settings.population, &mut rng);
-                Search::CmaEs { search, population }
-            }
-            Optimizer::EmpiricalBayes => Search::EmpiricalBayes { fitted: [weak] },
-        };
-        let state = State {
-            version: STATE_VERSION,
-            stage: Stage::Reference,
-            search,
-            units: Vec::new(),
-            first_generation: None,
-            candidates: Vec::new(),
-            champion: None,
-            report: None,
-            episodes: 0,
-            arrivals: Some(0),
-            hopeless: None,
-        };
+        let state = State::new(&settings);
         Ok(Self { settings, state })
     }
 
@@ -407,153 +283,6 @@ impl Evolution {
             Stage::Done => {}
         }
         Ok(None)
-    }
-
-    /// Mean fitness of fixed-normal in each environment, or what just keeps the limits where it has none.
-    fn measure_units(&self, evaluations: &[Evaluation]) -> Vec<f64> {
-        let EvolutionSettings { environments, limits, .. } = &self.settings;
-        let chunks = evaluations.chunks_exact(REFERENCE_TRIALS);
-        let units = environments.iter().zip(chunks).map(|(environment, trials)| {
-            let fitness = trials.iter().map(|trial| environment.fitness.of(limits, trial));
-            let mean = fitness.sum::<f64>() / trials.len() as f64;
-            if mean > 0.0 { mean } else { environment.fitness.at_limit(limits) }
-        });
-        units.collect()
-    }
-
-    /// Fitness of one episode in an environment; 1 is that of fixed-normal.
-    fn normalised(&self, environment: usize, evaluation: &Evaluation) -> f64 {
-        let fitness = self.settings.environments[environment].fitness;
-        fitness.of(&self.settings.limits, evaluation) / self.state.units[environment]
-    }
-
-    /// Fitness of `subjects`: the weighted mean over environments of the mean over trials.
-    fn fitness(&self, subjects: usize, evaluations: &[Evaluation]) -> Vec<f64> {
-        let environments = &self.settings.environments;
-        let trials = evaluations.len() / (subjects * environments.len());
-        let total: f64 = environments.iter().map(|environment| environment.weight).sum();
-        let of_subject = |evaluations: &[Evaluation]| {
-            let chunks = evaluations.chunks_exact(trials).enumerate();
-            let means = chunks.map(|(environment, trials)| {
-                let sum: f64 = trials.iter().map(|it| self.normalised(environment, it)).sum();
-                environments[environment].weight * sum / trials.len() as f64
-            });
-            means.sum::<f64>() / total
-        };
-        evaluations.chunks_exact(trials * environments.len()).map(of_subject).collect()
-    }
-
-    fn end_generation(&mut self, generation: usize, evaluations: &[Evaluation]) -> Generation {
-        let drift = self.settings.controller.drift;
-        let genes = genome::prior_genes(drift);
-        let individuals = self.state.search.individuals();
-        let fitness = self.fitness(individuals.len(), evaluations);
-        let environments = &self.settings.environments;
-        let summary =
-            generation::summary(generation, environments, individuals, &fitness, evaluations);
-        let order = genetic::ranking(&fitness);
-        if generation == 0 {
-            self.state.first_generation = Some(individuals[order[0]].clone());
-        }
-        let is_last = generation + 1 == self.settings.generations;
-        let mut rng = seeds::rng(self.settings.seed, Purpose::Breed, generation);
-        let mut candidates: Vec<Genome> = Vec::new();
-        for index in order {
-            let individual = &individuals[index];
-            if candidates.len() < CANDIDATES && !candidates.contains(individual) {
-                candidates.push(individual.clone());
-            }
-        }
-        match &mut self.state.search {
-            Search::Genetic { population } if !is_last => {
-                let settings = &self.settings.genetic;
-                *population = genetic::breed(&genes, settings, population, &fitness, &mut rng);
-            }
-            Search::Genetic { .. } => {}
-            Search::CmaEs { search, population } => {
-                search.tell(&genes, population, &fitness);
-                candidates.push(search.mean(&genes));
-                if !is_last {
-                    *population = search.ask(&genes, population.len(), &mut rng);
-                }
-            }
-            Search::EmpiricalBayes { fitted: [fitted] } => {
-                let groups: Vec<_> = evaluations.iter().map(|it| it.samples).collect();
-                let seed = seeds::seed(self.settings.seed, Purpose::Breed, [generation, 0, 0]);
-                *fitted = empirical_bayes::fit(&groups, fitted, seed);
-                candidates = vec![fitted.clone()];
-            }
-        }
-        self.state.stage = Stage::Generations { generation: generation + 1 };
-        if is_last {
-            self.state.candidates = candidates;
-            self.state.stage = match &self.state.candidates[..] {
-                [only] => {
-                    self.state.champion = Some(only.clone());
-                    Stage::Report
-                }
-                _ => Stage::Selection,
-            };
-        }
-        summary
-    }
-
-    /// Gives up after some generations in which, as before them, nobody has arrived.
-    fn give_up_where_nobody_arrives(&mut self, generation: usize) {
-        let enough = HOPELESS_GENERATIONS.min(self.settings.generations);
-        if self.state.arrivals == Some(0) && generation + 1 >= enough {
-            let environments = hopeless::names(&self.settings.environments);
-            self.state.hopeless =
-                Some(Hopeless::NobodyArrives { environments, episodes: self.state.episodes });
-        }
-    }
-
-    /// Why the champion, whose trials are the first of the report, is of no use.
-    fn champion_fails(&self, evaluations: &[Evaluation]) -> Option<Hopeless> {
-        let EvolutionSettings { environments, limits, report_trials, .. } = &self.settings;
-        let trials = report_trials * environments.len();
-        let champion = evaluations.get(..trials)?;
-        let fits = |(environment, trials): (&TrainingEnvironment, &[Evaluation])| {
-            trials.iter().any(|it| environment.fitness.of(limits, it) > 0.0)
-        };
-        if environments.iter().zip(champion.chunks_exact(*report_trials)).any(fits) {
-            return None;
-        }
-        let arrived = champion.iter().filter(|it| it.arrived).count() as f64 / trials as f64;
-        Some(Hopeless::ChampionFails {
-            environments: hopeless::names(environments),
-            trials,
-            arrived,
-        })
-    }
-
-    /// Who is reported, the champion first.
-    fn reported(&self) -> [(&'static str, Prior); 4] {
-        let weak = Prior::default();
-        let known = |genome: &Option<Genome>| genome.as_deref().map_or(weak, genome::to_prior);
-        [
-            ("champion", known(&self.state.champion)),
-            ("first-generation", known(&self.state.first_generation)),
-            ("default", weak),
-            ("flat", Prior::flat()),
-        ]
-    }
-
-    fn make_report(&self, evaluations: &[Evaluation]) -> Report {
-        let environments = &self.settings.environments;
-        let trials = self.settings.report_trials;
-        let subjects = evaluations.chunks_exact(trials * environments.len());
-        let driven = self.reported().into_iter().zip(subjects).map(|((name, prior), subject)| {
-            let of_environment = |(environment, trials): (usize, &[Evaluation])| {
-                let trial = |it: &Evaluation| {
-                    (self.normalised(environment, it), it.time, it.deviation, it.arrived)
-                };
-                trials.iter().map(trial).collect()
-            };
-            let environments = subject.chunks_exact(trials).enumerate().map(of_environment);
-            Driven { name, prior, environments: environments.collect() }
-        });
-        report::report(environments, driven.collect())
     }
 }
 

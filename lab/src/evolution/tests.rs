@@ -65,7 +65,6 @@ fn the_champion_is_the_same_whatever_the_number_of_threads() {
         let shares: Vec<Vec<(usize, Job)>> =
             (0..4).map(|i| jobs.iter().copied().enumerate().skip(i).step_by(4).collect()).collect();
         let mut evaluations = vec![Evaluation::default(); jobs.len()];
-        #[expect(clippy::disallowed_methods, reason = "a test of threads needs some")]
         std::thread::scope(|scope| {
             let evaluate = |share: Vec<(usize, Job)>| {
                 let evolution = &evolution;

@@ -5,24 +5,14 @@
 pub const CIRCLES: &[(&str, &[&[&str]])] = &[
     (
         "umwelt-lab",
-        &[
-            &[
-                "comparison/bootstrap.rs",
-                "comparison/contender.rs",
-                "comparison/mod.rs",
-                "comparison/report.rs",
-                "comparison/scenario.rs",
-                "comparison/settings.rs",
-            ],
-            &[
-                "evolution/environment.rs",
-                "evolution/generation.rs",
-                "evolution/hopeless.rs",
-                "evolution/mod.rs",
-                "evolution/report.rs",
-                "evolution/settings.rs",
-            ],
-        ],
+        &[&[
+            "comparison/bootstrap.rs",
+            "comparison/contender.rs",
+            "comparison/mod.rs",
+            "comparison/report.rs",
+            "comparison/scenario.rs",
+            "comparison/settings.rs",
+        ]],
     ),
     (
         "umwelt-api",
@@ -58,7 +48,6 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
 
 /// Files of 400 lines and more.
 pub const LONG: &[(&str, &[&str])] = &[
-    ("umwelt-lab", &["evolution/mod.rs"]),
     ("umwelt-server", &["robot/mod.rs", "robot/pilot.rs"]),
     ("umwelt-agent", &["options/mod.rs"]),
 ];
