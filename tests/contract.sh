@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sixty seconds of schemathesis against the built server: what openapi.json allows is served, what it does not is
 # refused, nothing is a server error. Left out, and said so, where Python or the packages cannot be had: that the
-# schemas and the checks agree is tested by openapi/tests/schemas.rs too, with Rust alone.
+# schemas and the checks agree is tested by lab/tests/schemas.rs too, with Rust alone.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 readonly VERSION=4.32.5 SECONDS_LONG=${1:-60} PLACE=$PWD/target/schemathesis CONTRACT=$PWD/openapi/openapi.json

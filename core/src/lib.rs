@@ -14,7 +14,7 @@
 //!   does as it is told. [`settings`] are what it is told once.
 //! * **The simulation**: a [`plant`] on a floor, a [`link`] that is late and loses packets, and both with the two sides
 //!   above as an [`episode`] in simulated time. [`fixed_models`] measures with it. What drives episodes by the thousand
-//!   is beside it: [`evolution`], [`comparison`], and the [`peers`] that are compared.
+//!   is a crate of its own, `umwelt-lab`; it shares the random numbers at an index ([`draws`]).
 //!
 //! A robot whose link takes no time drives 0.3 m:
 //!
@@ -72,15 +72,4 @@ pub use control::{
 #[cfg(feature = "controller")]
 mod simulation;
 #[cfg(feature = "controller")]
-pub(crate) use simulation::draws;
-#[cfg(feature = "controller")]
-pub use simulation::{episode, fixed_models, link, plant};
-
-#[cfg(feature = "controller")]
-pub mod comparison;
-#[cfg(feature = "controller")]
-pub mod evolution;
-#[cfg(feature = "controller")]
-pub mod peers;
-#[cfg(feature = "controller")]
-mod seeds;
+pub use simulation::{draws, episode, fixed_models, link, plant};

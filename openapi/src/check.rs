@@ -32,7 +32,7 @@ impl Range {
 }
 
 /// Outside data that can say everything that is wrong with it.
-pub(crate) trait Checked {
+pub trait Checked {
     /// Reports each problem to `check`. Which limits are asked must not depend on the values.
     fn check(&self, check: &mut Check);
 }
@@ -49,9 +49,10 @@ pub(crate) enum Limit {
     EachOnce,
 }
 
-/// Collects problems on a walk over a body.
+/// Collects problems on a walk over a body. What knows more than the contract, which names stand for something and what
+/// follows from the whole, adds its own through [`body::read_resolved`](crate::body::read_resolved).
 #[derive(Default)]
-pub(crate) struct Check {
+pub struct Check {
     path: String,
     problems: Problems,
     limits: Option<Vec<(String, Limit)>>,
@@ -72,8 +73,11 @@ impl Check {
         check.limits.unwrap_or_default()
     }
 
+    /// Ends the walk.
+    ///
+    /// # Errors
     /// The problems found, if any.
-    pub(crate) fn finish(self) -> Result<(), Problems> {
+    pub fn finish(self) -> Result<(), Problems> {
         if self.problems.is_empty() { Ok(()) } else { Err(self.problems) }
     }
 
@@ -190,7 +194,7 @@ impl Check {
     }
 
     /// What the text in field `name` stands for; a text that is no name, or one that nobody knows, is a problem.
-    pub(crate) fn known<T>(
+    pub fn known<T>(
         &mut self,
         name: &str,
         text: &str,
@@ -211,7 +215,7 @@ impl Check {
     }
 
     /// What a conversion of field `name` gave; its error counts unless the checks have said what is wrong.
-    pub(crate) fn ok<T, E: Display>(&mut self, name: &str, converted: Result<T, E>) -> Option<T> {
+    pub fn ok<T, E: Display>(&mut self, name: &str, converted: Result<T, E>) -> Option<T> {
         match converted {
             Ok(core) => Some(core),
             Err(error) => {
@@ -224,20 +228,14 @@ impl Check {
     }
 
     /// What field `name` holds must agree with the other fields.
-    pub(crate) fn agrees(
-        &mut self,
-        name: &str,
-        holds: bool,
-        value: impl Into<Value>,
-        remedy: &str,
-    ) {
+    pub fn agrees(&mut self, name: &str, holds: bool, value: impl Into<Value>, remedy: &str) {
         if !holds {
             self.report(reason::INCONSISTENT, name, value, remedy);
         }
     }
 
     /// Reports a problem of field `name`; of the whole where the name is empty.
-    pub(crate) fn report(
+    pub fn report(
         &mut self,
         reason: &str,
         name: &str,

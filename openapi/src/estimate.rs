@@ -2,7 +2,6 @@
 
 use crate::number;
 use serde::{Deserialize, Serialize};
-use umwelt_core::evolution;
 use utoipa::ToSchema;
 
 // The schema has the name that it had when evolutions alone estimated something: names are the contract's.
@@ -25,17 +24,5 @@ impl Estimate {
     /// Whether the interval includes zero: then no difference is shown.
     pub fn includes_zero(&self) -> bool {
         self.low <= 0.0 && 0.0 <= self.high
-    }
-
-    /// The estimate where all of it is finite; `null` on the wire otherwise.
-    pub(crate) fn known(core: evolution::Estimate) -> Option<Self> {
-        let is_known = [core.mean, core.low, core.high].iter().all(|it| it.is_finite());
-        is_known.then(|| core.into())
-    }
-}
-
-impl From<evolution::Estimate> for Estimate {
-    fn from(core: evolution::Estimate) -> Self {
-        Self { mean: core.mean, low: core.low, high: core.high }
     }
 }

@@ -6,7 +6,8 @@
 //!
 //! * Outside data comes in through `read` (JSON bytes -> checked wire type) and `to_core` (wire type -> core).
 //!   Both report every problem at once as [`Problems`]; there is no other way in.
-//! * What core computes goes out through `From`. A number that does not exist (NaN, infinite) is `null` where the
+//! * What core computes goes out through `From`; what of evolutions, comparisons and simulated environments is for
+//!   `umwelt-lab` to say stands there (`umwelt_lab::wire`). A number that does not exist (NaN, infinite) is `null` where the
 //!   type says `Option`, and an error of serialisation elsewhere: it never leaves silently.
 //! * A reader of responses ignores fields it does not know: the contract only grows.
 //!
@@ -40,7 +41,7 @@ pub mod training;
 pub mod visible;
 pub mod watch;
 
-pub use check::Range;
+pub use check::{Check, Checked, Range};
 pub use document::document;
 pub use id::{ComparisonId, EnvironmentId, EvolutionId, InvalidId, PriorId, RobotId};
 pub use idempotency::{IdempotencyKey, InvalidKey, MAX_KEY};

@@ -22,12 +22,11 @@
 //! The rooms, each of which names those below it and none above:
 //! 1. `program`: the process, its settings, the server put together,
 //! 2. `http`: everything that knows HTTP,
-//! 3. `lab`: figures and reports; evolutions and comparisons without a server,
-//! 4. `jobs`: what runs in the background,
-//! 5. `fleet`: the robots,
-//! 6. `library`: priors and simulated environments by name,
-//! 7. `store`: what outlives the process,
-//! 8. `resource`: what all resources have, versions, conditions and failures.
+//! 3. `jobs`: what runs in the background,
+//! 4. `fleet`: the robots,
+//! 5. `library`: priors and simulated environments by name,
+//! 6. `store`: what outlives the process,
+//! 7. `resource`: what all resources have, versions, conditions and failures.
 //!
 //! Architecture invariants: nothing here plans or identifies, that is core's; nothing here names a wire field,
 //! that is the contract's; nothing below `http` knows HTTP but for the codes of the contract; no request waits for
@@ -36,15 +35,14 @@
 mod fleet;
 mod http;
 mod jobs;
-mod lab;
 mod library;
 pub mod program;
 mod resource;
 pub mod store;
 
 pub use http::guard::{HostName, Origin, read_token};
-pub use jobs::Priority;
-pub use lab::offline;
 pub use program::config::Config;
 pub use program::serve::Server;
 pub use store::Store;
+pub use umwelt_lab::offline;
+pub use umwelt_lab::pool::Priority;

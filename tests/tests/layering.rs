@@ -5,16 +5,24 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 /// The packages of the workspace and which of them each may depend on, dev-dependencies included.
-const ALLOWED: [(&str, &[&str]); 7] = [
+const ALLOWED: [(&str, &[&str]); 8] = [
     ("umwelt-core", &[]),
     ("umwelt-api", &["umwelt-core"]),
+    ("umwelt-lab", &["umwelt-core", "umwelt-api"]),
     ("umwelt-memory", &[]),
-    ("umwelt-server", &["umwelt-core", "umwelt-api", "umwelt-memory"]),
+    ("umwelt-server", &["umwelt-core", "umwelt-api", "umwelt-lab", "umwelt-memory"]),
     ("umwelt-client", &["umwelt-core", "umwelt-api"]),
     ("umwelt-agent", &["umwelt-core", "umwelt-client"]),
     (
         "umwelt-tests",
-        &["umwelt-core", "umwelt-api", "umwelt-server", "umwelt-client", "umwelt-agent"],
+        &[
+            "umwelt-core",
+            "umwelt-api",
+            "umwelt-lab",
+            "umwelt-server",
+            "umwelt-client",
+            "umwelt-agent",
+        ],
     ),
 ];
 

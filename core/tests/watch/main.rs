@@ -4,7 +4,6 @@
 mod frames;
 mod harness;
 mod other;
-mod quiet;
 mod slow;
 
 use harness::{Run, World, amr, burger, mini, rover};

@@ -58,8 +58,11 @@ pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Checked>(
     read_resolved(json, |_: &T, _| ()).map(|(body, ())| body)
 }
 
-/// Reads as [`read_shared`] does, and what `resolve` makes of the body; what that reports is told with the rest.
-pub(crate) fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
+/// Reads a type that is part of responses too, refuses unknown fields, and gives what `resolve` makes of the body.
+///
+/// # Errors
+/// Every problem of the body, with what `resolve` reports.
+pub fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
     json: &[u8],
     resolve: impl FnOnce(&T, &mut Check) -> R,
 ) -> Result<(T, R), Problems> {

@@ -1,7 +1,6 @@
 //! Comparisons: methods driven over environments and trials in the background, on the same seeds.
 
 mod claim;
-mod convert;
 mod event;
 mod page;
 mod progress;
@@ -19,7 +18,7 @@ pub use report::{
     Difference, Entry, EnvironmentReport, Quantities, Recognition, Reductions, Report,
 };
 pub use request::Request;
-pub use spec::{DEFAULT_PRIOR, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
+pub use spec::{DEFAULT_PRIOR, KNOWN_METHODS, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
 
 use crate::id::ComparisonId;
 use serde::{Deserialize, Serialize};

@@ -48,7 +48,7 @@ impl Checked for Request {
         let methods = methods.unwrap_or_default();
         check.each_once("methods");
         for (index, method) in methods.iter().enumerate() {
-            check.one_of(&format!("methods[{index}]"), &known_methods());
+            check.one_of(&format!("methods[{index}]"), &spec::KNOWN_METHODS);
             if methods[..index].contains(method) {
                 let field = format!("methods[{index}]");
                 check.report(reason::REPEATED, &field, method.as_str(), "name it once");
@@ -63,17 +63,6 @@ impl Checked for Request {
             check.id("prior", prior);
         }
     }
-}
-
-/// Every method, and each with its numbers of slots.
-fn known_methods() -> Vec<String> {
-    let contenders = Scenario::default().settings().contenders;
-    let labels = contenders.iter().map(|contender| contender.label());
-    let names = contenders.iter().map(|contender| contender.name.to_string());
-    let mut known: Vec<_> = names.chain(labels).collect();
-    known.sort();
-    known.dedup();
-    known
 }
 
 impl Request {

@@ -12,6 +12,44 @@ pub const TRIALS: RangeInclusive<u64> = 2..=10_000;
 /// Most episodes of one comparison (contenders x environments x trials): what comes of each is held in memory.
 pub const MAX_EPISODES: u64 = 200_000;
 
+/// Every method, and each with its numbers of slots, in the order of the alphabet.
+pub const KNOWN_METHODS: [&str; 34] = [
+    "bayesian",
+    "bayesian-default",
+    "bayesian-default/1",
+    "bayesian-default/20",
+    "bayesian-empirical",
+    "bayesian-empirical/1",
+    "bayesian-empirical/20",
+    "bayesian-flat",
+    "bayesian-flat/1",
+    "bayesian-flat/20",
+    "bayesian/1",
+    "bayesian/20",
+    "ekf-packet",
+    "ekf-packet/20",
+    "fixed-bad",
+    "fixed-bad/1",
+    "fixed-bad/20",
+    "fixed-normal",
+    "fixed-normal/1",
+    "fixed-normal/20",
+    "gp-mpc",
+    "gp-mpc/1",
+    "no-compensation",
+    "no-compensation/1",
+    "oracle",
+    "oracle/1",
+    "oracle/20",
+    "sliding-mode",
+    "sliding-mode/1",
+    "statistic",
+    "statistic/1",
+    "statistic/20",
+    "stop-when-stale",
+    "stop-when-stale/1",
+];
+
 /// The name of the prior that the contender `bayesian` has where nothing is said: the thesis's, evolved with as many
 /// slots. With more than one it is the built-in prior `thesis-20`.
 pub const DEFAULT_PRIOR: &str = "thesis";
@@ -50,7 +88,7 @@ impl Scenario {
         Self::Systematic,
     ];
 
-    /// The name on the wire, and in core.
+    /// The name on the wire, and in lab.
     pub fn name(self) -> &'static str {
         match self {
             Self::Thesis => "thesis",

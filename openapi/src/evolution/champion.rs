@@ -60,7 +60,7 @@ pub struct Champion {
 }
 
 /// What a difference says in plain words: the champion's fitness minus that of `name`.
-pub(super) fn verdict(name: &str, difference: Option<Estimate>) -> String {
+fn verdict(name: &str, difference: Option<Estimate>) -> String {
     let Some(difference) = difference else { return "the champion itself".to_owned() };
     let Estimate { mean, low, high } = difference;
     if difference.includes_zero() {
@@ -72,7 +72,28 @@ pub(super) fn verdict(name: &str, difference: Option<Estimate>) -> String {
     format!("the champion is {better} than {name} by {by:.3} ({low:.3} to {high:.3})")
 }
 
+impl Champion {
+    /// What an evolution found, told in plain words: the champion is the first of `entries`.
+    pub fn new(prior: robot::Prior, trials: u64, mut entries: Vec<Entry>) -> Self {
+        add_prices(&mut entries);
+        let notes = notes(&entries, trials);
+        Self { prior, trials, entries, notes }
+    }
+}
+
 impl Entry {
+    /// One prior, with what `difference` says in plain words.
+    pub fn new(
+        name: String,
+        prior: robot::Prior,
+        fitness: Estimate,
+        difference: Option<Estimate>,
+        environments: Vec<EnvironmentResult>,
+    ) -> Self {
+        let verdict = verdict(&name, difference);
+        Self { name, prior, fitness, difference, environments, verdict }
+    }
+
     /// Environments in which this one is fitter than `champion`, whatever the mean over all of them says: those in which
     /// the two intervals are apart. Gives the champion's result and this one's.
     pub fn fitter_in<'a>(
@@ -85,7 +106,7 @@ impl Entry {
 }
 
 /// What is to be said of environments in which none of `entries` arrived in any of `trials` trials.
-pub(super) fn notes(entries: &[Entry], trials: u64) -> Vec<String> {
+fn notes(entries: &[Entry], trials: u64) -> Vec<String> {
     let environments = entries.first().map_or(&[][..], |champion| &champion.environments);
     let nobody_arrives = |index: usize| {
         let results = entries.iter().filter_map(|entry| entry.environments.get(index));
@@ -103,7 +124,7 @@ pub(super) fn notes(entries: &[Entry], trials: u64) -> Vec<String> {
 }
 
 /// Adds to each verdict what the champion, the first entry, pays in single environments.
-pub(super) fn add_prices(entries: &mut [Entry]) {
+fn add_prices(entries: &mut [Entry]) {
     let Some((champion, others)) = entries.split_first_mut() else { return };
     for entry in others {
         let prices: String = entry

@@ -1,7 +1,6 @@
 //! Evolutions: priors searched for in the background, in simulated environments.
 
 mod champion;
-mod convert;
 mod event;
 mod generation;
 mod page;

@@ -1,8 +1,7 @@
 //! Laws: core -> wire -> JSON -> wire -> core loses nothing, and nothing wrong gets through.
 
 mod belief;
-mod comparison;
-mod evolution;
+mod job;
 mod strategies;
 
 use crate::problem::reason;

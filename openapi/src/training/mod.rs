@@ -14,12 +14,10 @@ pub use link::{
 use crate::body;
 use crate::check::{Check, Checked, Range};
 use crate::id::EnvironmentId;
-use crate::named::Known;
 use crate::page::Unreadable;
 use crate::prior::MAX_NOTE;
 use crate::problem::Problems;
 use serde::{Deserialize, Serialize};
-use umwelt_core::evolution::{self, ENVIRONMENTS, TrainingEnvironment};
 use utoipa::ToSchema;
 
 /// Largest body of an environment in bytes; the longest trace has 60 kB, the most outages 60 kB.
@@ -41,24 +39,6 @@ pub enum Fitness {
     Normal,
     /// That of the bad environment (thesis eq. 53).
     Bad,
-}
-
-impl From<evolution::Fitness> for Fitness {
-    fn from(core: evolution::Fitness) -> Self {
-        match core {
-            evolution::Fitness::Normal => Self::Normal,
-            evolution::Fitness::Bad => Self::Bad,
-        }
-    }
-}
-
-impl From<Fitness> for evolution::Fitness {
-    fn from(wire: Fitness) -> Self {
-        match wire {
-            Fitness::Normal => Self::Normal,
-            Fitness::Bad => Self::Bad,
-        }
-    }
 }
 
 /// A simulated environment as it is put: slip and link by the names of presets or in numbers.
@@ -114,42 +94,13 @@ impl Spec {
         body::read_shared(json)
     }
 
-    /// The environment in core's terms, under this name; the note stays behind.
+    /// Every value that is out of its range.
     ///
     /// # Errors
-    /// Every problem of it.
-    pub fn to_core(&self, name: &EnvironmentId) -> Result<TrainingEnvironment, Problems> {
-        Check::all(self)?;
-        Ok(TrainingEnvironment {
-            name: name.to_string(),
-            slip: self.slip.to_core()?,
-            link: self.link.to_core()?,
-            fitness: self.fitness.into(),
-            weight: self.weight,
-        })
+    /// All of them.
+    pub fn validate(&self) -> Result<(), Problems> {
+        Check::all(self)
     }
-}
-
-impl From<&TrainingEnvironment> for Spec {
-    /// Without its name and without a note; slip and link by the names of presets where they are some.
-    fn from(core: &TrainingEnvironment) -> Self {
-        Self {
-            slip: core.slip.into(),
-            link: (&core.link).into(),
-            fitness: core.fitness.into(),
-            weight: core.weight,
-            note: None,
-        }
-    }
-}
-
-/// The simulated environments that come with every server, by their names.
-///
-/// # Errors
-/// All the names, where nothing goes by this one.
-pub fn built_in(name: &str) -> Known<TrainingEnvironment> {
-    TrainingEnvironment::preset(name)
-        .ok_or_else(|| ENVIRONMENTS.into_iter().map(str::to_owned).collect())
 }
 
 /// A simulated environment.

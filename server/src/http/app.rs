@@ -12,8 +12,8 @@ use crate::store::{Keeper, Unreadables};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
-use umwelt_core::comparison::Comparison;
-use umwelt_core::evolution::Evolution;
+use umwelt_lab::comparison::Comparison;
+use umwelt_lab::evolution::Evolution;
 
 /// What every route can reach; cheap to clone.
 #[derive(Clone)]

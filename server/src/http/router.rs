@@ -19,8 +19,8 @@ use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::trace::TraceLayer;
 use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_core::comparison::Comparison;
-use umwelt_core::evolution::Evolution;
+use umwelt_lab::comparison::Comparison;
+use umwelt_lab::evolution::Evolution;
 
 /// The routes of `app`, and before them who may ask.
 pub(crate) fn router(app: App, rules: guard::Rules) -> Router {

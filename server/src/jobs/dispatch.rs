@@ -4,15 +4,16 @@
 //! whatever goes wrong in one, the next has its turn. When the server ends, what runs stays running in the store.
 
 use super::job::Job;
-use super::pool::Halt;
 use super::queue::{Inner, Start, unwritable};
 use super::record::{Checkpoint, Record, State, part_body};
-use super::work::{Gift, Told, Work};
+use super::work::{Gift, Work};
 use crate::resource::failure::Failure;
 use crate::store::{Change, JobId};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::Instant;
+use umwelt_lab::pool::Halt;
+use umwelt_lab::work::Told;
 
 /// First pause after the store has failed; each is twice the one before.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
@@ -293,9 +294,11 @@ fn waiting(failure: &Failure) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::toy::{Toy, Wishes};
-    use super::super::{Jobs, Limits, Pool, Priority, Submission, Work};
+    use super::super::{Jobs, Limits, Submission};
     use super::*;
     use crate::store::{Contents, Keeper, MemoryStore, Store};
+    use umwelt_lab::pool::{Pool, Priority};
+    use umwelt_lab::work::Work as _;
 
     async fn open(store: &Arc<MemoryStore>) -> Jobs<Toy> {
         let pool = Arc::new(Pool::new(Some(2), Priority::Normal).unwrap());

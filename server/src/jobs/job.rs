@@ -2,16 +2,15 @@
 //!
 //! Invariant: what is shown is what is kept, but for the episodes and the time of the batch that is going on.
 
-use super::pool::Meter;
 use super::queue::Start;
 use super::record::{Record, State};
-use super::remaining;
 use super::work::Work;
 use crate::store::JobId;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 use tokio::sync::{Mutex, Notify, watch};
 use tokio::time::Instant;
+use umwelt_lab::pool::{Meter, remaining};
 
 /// A job.
 #[derive(Debug)]

@@ -5,7 +5,6 @@
 
 use super::dispatch;
 use super::job::Job;
-use super::pool::Pool;
 use super::record::{Checkpoint, Reached, Record, State};
 use super::work::Work;
 use crate::resource::failure::{self, Failure};
@@ -19,6 +18,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::sync::{Mutex, MutexGuard, Notify, watch};
 use umwelt_api::IdempotencyKey;
 use umwelt_api::problem::{Detail, Status, reason};
+use umwelt_lab::pool::Pool;
 
 /// The jobs of one kind; cheap to clone. They stop when the last clone is dropped, and go on with the next server on
 /// the same store.

@@ -1,11 +1,12 @@
 //! A kind of work without robots: what all kinds share is tested with it.
 
 use super::record::UPGRADES;
-use super::work::{Told, Work};
+use super::work::Work;
 use crate::store::JobKind;
 use crate::store::document::Form;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
+use umwelt_lab::work::{self, Told};
 
 /// What a [`Toy`] is to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,18 +40,9 @@ pub(super) struct Toy {
 
 impl Work for Toy {
     const KIND: JobKind = JobKind::Comparison;
-    const STATE_VERSION: u32 = 1;
     const FORM: &'static Form = &Form { is_within: true, upgrades: UPGRADES, base: "{}" };
-    type Settings = Wishes;
     type Spec = Wishes;
-    type State = Self;
     type Own = ();
-    type Stage = usize;
-    type Latest = u64;
-    type Part = u64;
-    type Report = u64;
-    type Episode = usize;
-    type Evaluation = usize;
     type House = ();
 
     fn spec(wishes: &Wishes) -> Wishes {
@@ -60,6 +52,18 @@ impl Work for Toy {
     fn settings(wishes: &Wishes) -> Result<Wishes, String> {
         Ok(*wishes)
     }
+}
+
+impl work::Work for Toy {
+    const STATE_VERSION: u32 = 1;
+    type Settings = Wishes;
+    type State = Self;
+    type Stage = usize;
+    type Latest = u64;
+    type Part = u64;
+    type Report = u64;
+    type Episode = usize;
+    type Evaluation = usize;
 
     fn resume(_: Wishes, state: Self) -> Result<Self, String> {
         Ok(state)

@@ -9,9 +9,10 @@ use crate::store::document::environment as document;
 use crate::store::{Kind, StoredEnvironment, Unreadable, Unreadables};
 use std::sync::Arc;
 use tokio::sync::{Mutex, OwnedMutexGuard};
-use umwelt_api::training::{self, Environment, Spec};
+use umwelt_api::training::{Environment, Spec};
 use umwelt_api::{EnvironmentId, Known};
-use umwelt_core::evolution::{ENVIRONMENTS, TrainingEnvironment};
+use umwelt_lab::evolution::{ENVIRONMENTS, TrainingEnvironment};
+use umwelt_lab::wire;
 
 /// Most environments that are kept: with the longest traces some 50 MB.
 pub(crate) const MAX_ENVIRONMENTS: usize = 200;
@@ -90,7 +91,7 @@ impl Environments {
     /// What a name stands for.
     pub(crate) fn known(&self, name: &str) -> Known<TrainingEnvironment> {
         let kept = self.0.all.kept();
-        training::built_in(name).or_else(|mut names| {
+        wire::training::built_in(name).or_else(|mut names| {
             let found = kept.get(name).map(|named| named.environment.clone());
             found.ok_or_else(|| {
                 names.extend(kept.keys().map(ToString::to_string));
@@ -122,7 +123,7 @@ mod tests {
     fn what_is_kept_comes_back_and_what_cannot_be_read_is_noted() {
         let id: EnvironmentId = "wet-hall".parse().unwrap();
         let spec = Spec::read(br#"{"slip": "oily", "link": "bad", "note": "n"}"#).unwrap();
-        let environment = spec.to_core(&id).unwrap();
+        let environment = wire::training::environment(&spec, &id).unwrap();
         let named = Named { id, environment, note: spec.note, built_in: false };
         let stored = named.stored().unwrap();
         assert_eq!(Named::of_stored(&stored), Ok(named.clone()));

@@ -2,11 +2,11 @@
 
 use crate::http::guard::host::HostName;
 use crate::http::guard::origin::Origin;
-use crate::jobs::Priority;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 use umwelt_api::Token;
+use umwelt_lab::pool::Priority;
 
 /// Bytes in a megabyte of the command line.
 pub(crate) const MB: usize = 1 << 20;

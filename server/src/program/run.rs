@@ -1,7 +1,6 @@
 //! The process: what its call asks for, from its start to its end.
 
 use super::arguments::{Arguments, Backup, Check, Serve, Task};
-use crate::lab::offline;
 use crate::program::config::Config;
 use crate::program::serve::Server;
 use crate::store;
@@ -12,6 +11,7 @@ use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 use umwelt_api::problem::Detail;
+use umwelt_lab::offline;
 
 /// Longest wait for a store that does not answer, once the server has ended.
 const STORE_ENDS: Duration = Duration::from_secs(1);

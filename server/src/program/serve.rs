@@ -11,7 +11,7 @@ use crate::http::documents::Documents;
 use crate::http::door::{self, Door};
 use crate::http::guard::Rules;
 use crate::http::router::router;
-use crate::jobs::{Jobs, Limits, Pool};
+use crate::jobs::{Jobs, Limits};
 use crate::library::priors::Priors;
 use crate::library::training::Environments;
 use crate::program::config::Config;
@@ -26,6 +26,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::time::{Instant, timeout_at};
+use umwelt_lab::pool::Pool;
 
 /// A server that is bound to its address.
 pub struct Server {

@@ -4,8 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the top down.
-const ROOMS: [&str; 8] =
-    ["program", "http", "lab", "jobs", "fleet", "library", "store", "resource"];
+const ROOMS: [&str; 7] = ["program", "http", "jobs", "fleet", "library", "store", "resource"];
 
 /// The crates that only `http` and what is above it may name.
 const OF_HTTP: [&str; 3] = ["axum::", "hyper_util::", "tower_http::"];

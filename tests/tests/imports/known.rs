@@ -4,25 +4,15 @@
 /// Circles of imports: the files of each, below `src`.
 pub const CIRCLES: &[(&str, &[&[&str]])] = &[
     (
-        "umwelt-core",
-        &[
-            &[
-                "comparison/bootstrap.rs",
-                "comparison/contender.rs",
-                "comparison/mod.rs",
-                "comparison/report.rs",
-                "comparison/scenario.rs",
-                "comparison/settings.rs",
-            ],
-            &[
-                "evolution/environment.rs",
-                "evolution/generation.rs",
-                "evolution/hopeless.rs",
-                "evolution/mod.rs",
-                "evolution/report.rs",
-                "evolution/settings.rs",
-            ],
-        ],
+        "umwelt-lab",
+        &[&[
+            "comparison/bootstrap.rs",
+            "comparison/contender.rs",
+            "comparison/mod.rs",
+            "comparison/report.rs",
+            "comparison/scenario.rs",
+            "comparison/settings.rs",
+        ]],
     ),
     (
         "umwelt-api",
@@ -37,10 +27,9 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
         &[
             &["jobs/dispatch.rs", "jobs/job.rs", "jobs/queue.rs"],
             &["jobs/record.rs", "jobs/work.rs"],
-            &["lab/offline/folder.rs", "lab/offline/mod.rs"],
         ],
     ),
 ];
 
 /// Files of 400 lines and more.
-pub const LONG: &[(&str, &[&str])] = &[("umwelt-core", &["evolution/mod.rs"])];
+pub const LONG: &[(&str, &[&str])] = &[];

@@ -7,7 +7,7 @@ use crate::graph::{Graph, line};
 pub type Layers<'a> = &'a [&'a [&'a str]];
 
 /// The packages whose layers are known, and those.
-pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE)];
+pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE), ("umwelt-lab", LAB)];
 
 const CORE: Layers = &[
     &["robot/geometry/"],
@@ -27,8 +27,15 @@ const CORE: Layers = &[
     &["simulation/link/", "simulation/plant/"],
     &["simulation/episode/"],
     &["simulation/"],
-    &["seeds.rs"],
+    &["lib.rs"],
+];
+
+const LAB: Layers = &[
+    &["seeds.rs", "work.rs"],
     &["peers/", "evolution/", "comparison/"],
+    &["wire/"],
+    &["pool.rs", "csv.rs", "figures/", "report/"],
+    &["offline/"],
     &["lib.rs"],
 ];
 

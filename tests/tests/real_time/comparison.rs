@@ -3,8 +3,8 @@
 use crate::ARRIVAL;
 use umwelt_api::robot::Spec;
 use umwelt_api::task::Stage;
-use umwelt_core::comparison::ComparisonSettings;
 use umwelt_core::episode::Scenario;
+use umwelt_lab::comparison::ComparisonSettings;
 use umwelt_tests::rover::{Agent, Simulated, id};
 use umwelt_tests::server::Server;
 

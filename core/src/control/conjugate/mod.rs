@@ -12,5 +12,5 @@ mod statistics;
 pub use beta_bernoulli::BetaBernoulli;
 pub use error::ConjugateError;
 pub use normal_inverse_chi_squared::NormalInverseChiSquared;
-pub(crate) use special::student_t_half_width;
+pub use special::student_t_half_width;
 pub use statistics::SampleStatistics;

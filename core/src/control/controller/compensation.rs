@@ -3,7 +3,7 @@
 //!
 //! Everything else (when a task goes on, acceleration, the variance rule, horizons, arrival) is the same for all, so
 //! that methods are compared in these decisions alone. [`Identified`], the controller of the thesis and of the server,
-//! takes every default; the peers of [`crate::peers`] take their own.
+//! takes every default; the peers of `umwelt_lab::peers` take their own.
 
 use crate::exchange::{Delivery, Observation};
 use crate::geometry::{Displacement, Point, Pose, Twist};

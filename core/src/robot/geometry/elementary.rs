@@ -43,13 +43,13 @@ fn sinc_cos_near_zero(x: f64) -> (f64, f64) {
 
 /// The smaller of two numbers: one instruction, where the standard library's also says what is to be done with NaN.
 #[inline]
-pub(crate) fn least(one: f64, other: f64) -> f64 {
+pub fn least(one: f64, other: f64) -> f64 {
     if one < other { one } else { other }
 }
 
 /// The larger of two numbers.
 #[inline]
-pub(crate) fn most(one: f64, other: f64) -> f64 {
+pub fn most(one: f64, other: f64) -> f64 {
     if one > other { one } else { other }
 }
 
@@ -73,7 +73,7 @@ fn sin_cos_far(x: f64) -> (f64, f64) {
 
 /// Sine and cosine of `x` rad.
 #[inline]
-pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
+pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() > LARGEST_ANGLE {
         return sin_cos_far(x);
     }
@@ -98,7 +98,7 @@ pub(crate) fn sinc_cos(x: f64) -> (f64, f64) {
 
 /// e^x; above 700 that of 700, below -700 nothing at all.
 #[inline]
-pub(crate) fn exp(x: f64) -> f64 {
+pub fn exp(x: f64) -> f64 {
     let rather_nothing = if x < -LARGEST_EXPONENT { 0.0 } else { 1.0 };
     let x = x.clamp(-LARGEST_EXPONENT, LARGEST_EXPONENT);
     let shifted = x * LOG2_E + SHIFT;

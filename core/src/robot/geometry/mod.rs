@@ -11,7 +11,7 @@
 //! let _ = Pose::default() + Twist::default();
 //! ```
 
-pub(crate) mod elementary;
+pub mod elementary;
 
 use core::f64::consts::{PI, TAU};
 use elementary::{sin_cos, sqrt};
@@ -78,7 +78,7 @@ impl core::ops::Add<f64> for Angle {
 }
 
 /// The length of (x, y), both of ordinary size: no detour around overflow.
-pub(crate) fn length(x: f64, y: f64) -> f64 {
+pub fn length(x: f64, y: f64) -> f64 {
     sqrt(x * x + y * y)
 }
 

@@ -8,8 +8,6 @@ use crate::http::app::App;
 use crate::http::documents::Name;
 use crate::http::extract::Body;
 use crate::jobs::{Job, Jobs, Shown, Submission};
-use crate::lab::figures::comparison::svg;
-use crate::lab::{csv, report};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::{self, Failure};
@@ -24,7 +22,10 @@ use umwelt_api::ComparisonId;
 use umwelt_api::comparison::{self, Figure, Page, Request};
 use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_core::comparison::{Comparison, Distribution};
+use umwelt_lab::comparison::{Comparison, Distribution};
+use umwelt_lab::figures::comparison::svg;
+use umwelt_lab::wire;
+use umwelt_lab::{csv, report};
 
 pub(crate) async fn submit(
     State(app): State<App>,
@@ -38,7 +39,7 @@ pub(crate) async fn submit(
             return Ok(answer);
         }
         // It takes the prior as it is now.
-        let (request, settings) = Request::read_known(&body, |name| app.priors.known(name))?;
+        let (request, settings) = wire::comparison::read(&body, |name| app.priors.known(name))?;
         let prior = request.prior_name().parse()?;
         let submission = Submission { settings, key, request: etag::of(&request).to_string() };
         let job = submitting.submit(submission, |number| Ok((number, prior))).await?;

@@ -16,6 +16,7 @@ use axum::http::StatusCode;
 use umwelt_api::EnvironmentId;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_api::training::{self, Page, Spec};
+use umwelt_lab::wire;
 
 pub(crate) async fn put(
     State(app): State<App>,
@@ -24,7 +25,7 @@ pub(crate) async fn put(
     Body(body): Body<{ training::MAX_BODY }>,
 ) -> Result {
     let spec = Spec::read(&body)?;
-    let environment = spec.to_core(&id)?;
+    let environment = wire::training::environment(&spec, &id)?;
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.environments.changing().await;
@@ -103,7 +104,7 @@ fn missing(app: &App, id: &EnvironmentId) -> Failure {
 
 /// Whether the name is for those who put environments.
 fn check_own(id: &EnvironmentId) -> Result<(), Failure> {
-    if training::built_in(id.as_str()).is_err() {
+    if wire::training::built_in(id.as_str()).is_err() {
         return Ok(());
     }
     let message = format!("{id} comes with the server and stays as it is");

@@ -10,7 +10,6 @@ use crate::http::app::App;
 use crate::http::extract::Body;
 use crate::jobs::evolution::claim;
 use crate::jobs::{Job, Jobs, Shown, Submission};
-use crate::lab::figures::evolution::{Figure, svg};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::Failure;
@@ -23,7 +22,9 @@ use umwelt_api::EvolutionId;
 use umwelt_api::evolution::{self, Event, Generation, GenerationsPage, Kind, Page, Request};
 use umwelt_api::page::Unreadable;
 use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_core::evolution::Evolution;
+use umwelt_lab::evolution::Evolution;
+use umwelt_lab::figures::evolution::{Figure, svg};
+use umwelt_lab::wire;
 
 /// Generations that are read for a stream at a time.
 const AT_A_TIME: usize = 50;
@@ -42,7 +43,7 @@ pub(crate) async fn submit(
             return Ok(answer);
         }
         let known = |name: &str| app.environments.known(name);
-        let (request, settings) = Request::read_known(&body, known)?;
+        let (request, settings) = wire::evolution::read(&body, known)?;
         let prior = request.prior.as_deref().map(str::parse).transpose()?;
         let submission = Submission { settings, key, request: etag::of(&request).to_string() };
         let claim = |next| claim(&app.evolutions, &app.priors, prior, next);
@@ -79,7 +80,7 @@ pub(crate) async fn figure(
     }
     let (what, media_type) = (figure.name(), evolution::Figure::MEDIA_TYPE);
     let made = Made { app: &app, job: &job, headers: &headers, media_type, what, state };
-    let draw = move |job: &Job<Evolution>, generations: &[umwelt_core::evolution::Generation]| {
+    let draw = move |job: &Job<Evolution>, generations: &[umwelt_lab::evolution::Generation]| {
         svg(figure, &job.id().to_string(), &job.shown().record.settings, generations)
     };
     made.of_parts(draw).await

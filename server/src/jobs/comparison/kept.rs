@@ -6,10 +6,10 @@ use crate::store::document::robot::controller;
 use serde::{Deserialize, Serialize};
 use umwelt_api::training::{LinkModel, Slip};
 use umwelt_api::{robot, task};
-use umwelt_core::comparison::{self, Approach, ComparisonSettings};
 use umwelt_core::episode;
 use umwelt_core::geometry::Pose;
 use umwelt_core::plant::PlantModel;
+use umwelt_lab::comparison::{self, Approach, ComparisonSettings};
 
 /// How the record of a comparison is kept.
 pub(super) const FORM: Form =

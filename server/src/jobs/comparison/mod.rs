@@ -3,31 +3,18 @@
 mod kept;
 mod wire;
 
-use crate::jobs::{Told, Work};
+use crate::jobs::Work;
 use crate::store::JobKind;
 use crate::store::document::Form;
 use umwelt_api::PriorId;
-use umwelt_core::comparison::{
-    Comparison, ComparisonSettings, Distribution, Evaluation, Job, Report, STATE_VERSION, Stage,
-    State,
-};
+use umwelt_lab::comparison::{Comparison, ComparisonSettings};
 
 impl Work for Comparison {
     const KIND: JobKind = JobKind::Comparison;
-    const STATE_VERSION: u32 = STATE_VERSION;
     const FORM: &'static Form = &kept::FORM;
-    type Settings = ComparisonSettings;
     type Spec = kept::Spec;
-    type State = State;
     /// The name of the prior of the contender `bayesian`, whose values the settings hold.
     type Own = PriorId;
-    type Stage = Stage;
-    type Latest = ();
-    /// All trials of a contender in an environment. They are kept at the end: until then the checkpoint holds them.
-    type Part = Distribution;
-    type Report = Report;
-    type Episode = Job;
-    type Evaluation = Evaluation;
     type House = ();
 
     fn spec(settings: &ComparisonSettings) -> kept::Spec {
@@ -36,49 +23,6 @@ impl Work for Comparison {
 
     fn settings(spec: &kept::Spec) -> Result<ComparisonSettings, String> {
         spec.convert()
-    }
-
-    fn new(settings: ComparisonSettings) -> Result<Self, String> {
-        Comparison::new(settings).map_err(|error| error.to_string())
-    }
-
-    fn resume(settings: ComparisonSettings, state: State) -> Result<Self, String> {
-        Comparison::resume(settings, state).map_err(|error| error.to_string())
-    }
-
-    fn state(&self) -> &State {
-        self.state()
-    }
-
-    fn stage(&self) -> Stage {
-        self.stage()
-    }
-
-    fn episodes(&self) -> u64 {
-        self.episodes()
-    }
-
-    fn total_episodes(&self) -> u64 {
-        self.total_episodes()
-    }
-
-    fn report(&self) -> Option<&Report> {
-        self.report()
-    }
-
-    fn batch(&self) -> Vec<Job> {
-        self.jobs()
-    }
-
-    fn evaluate(&self, job: &Job) -> Evaluation {
-        self.evaluate(job)
-    }
-
-    fn tell(&mut self, evaluations: &[Evaluation]) -> Result<Told<Self>, String> {
-        self.tell(evaluations).map_err(|error| error.to_string())?;
-        let is_done = self.report().is_some();
-        let parts = if is_done { self.distributions() } else { Vec::new() };
-        Ok(Told { parts: parts.into_iter().enumerate().collect(), latest: None })
     }
 }
 

@@ -3,7 +3,8 @@
 use super::*;
 use crate::jobs::{Checkpoint, PART, Record, Unusable, part_body, read_part};
 use crate::store::document::tests::{golden, one_field_less};
-use umwelt_core::comparison::SCENARIOS;
+use umwelt_lab::comparison::{Distribution, Evaluation, SCENARIOS, STATE_VERSION, Stage};
+use umwelt_lab::work::{Told, Work as _};
 
 type Kept = Checkpoint<Comparison>;
 
@@ -18,7 +19,7 @@ fn tell(work: &mut Comparison, seen: &mut Vec<Evaluation>) -> Told<Comparison> {
     let batch = work.batch();
     seen.extend(batch.iter().take(7).map(|job| work.evaluate(job)));
     let evaluations: Vec<_> = seen.iter().cycle().take(batch.len()).copied().collect();
-    Work::tell(work, &evaluations).unwrap()
+    umwelt_lab::work::Work::tell(work, &evaluations).unwrap()
 }
 
 /// The bug to fear: trials that come back rounded or not at all, so that a restart changes the report.

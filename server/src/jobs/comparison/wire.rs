@@ -2,8 +2,9 @@
 
 use crate::jobs::{Job, Pace, Shown};
 use umwelt_api::ComparisonId;
-use umwelt_api::comparison::{self, Event, Progress, Report, Spec, Stage};
-use umwelt_core::comparison::{Comparison, Stage as Reached};
+use umwelt_api::comparison::{self, Event, Progress, Report, Stage};
+use umwelt_lab::comparison::{Comparison, Stage as Reached};
+use umwelt_lab::wire;
 
 impl Job<Comparison> {
     /// As the wire has it.
@@ -13,7 +14,7 @@ impl Job<Comparison> {
         comparison::Comparison {
             comparison: ComparisonId::numbered(self.id().number),
             state: record.state.into(),
-            spec: Spec::from_core(&record.settings, record.own.as_str()),
+            spec: wire::comparison::spec(&record.settings, record.own.as_str()),
             progress: self.progress(&shown),
             interrupted: record.interrupted,
             created_unix_s: record.created_unix,

@@ -9,7 +9,7 @@ use crate::store::{Change, JobId};
 use umwelt_api::prior::Source;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_api::{EvolutionId, PriorId};
-use umwelt_core::evolution::Evolution;
+use umwelt_lab::evolution::Evolution;
 
 /// The evolution that has not ended and will give its champion this name.
 pub(crate) fn claimant(evolutions: &Jobs<Evolution>, name: &PriorId) -> Option<JobId> {

@@ -5,7 +5,7 @@ use crate::store::document::{Form, environment};
 use serde::{Deserialize, Serialize};
 use umwelt_api::evolution::Optimizer;
 use umwelt_api::{robot, task, training};
-use umwelt_core::evolution::{EvolutionSettings, FitnessLimits, GeneticSettings};
+use umwelt_lab::evolution::{EvolutionSettings, FitnessLimits, GeneticSettings};
 
 /// How the record of an evolution is kept.
 pub(super) const FORM: Form =

@@ -4,6 +4,8 @@ use super::*;
 use crate::jobs::{CHECKPOINT, Checkpoint, PART, State, Unusable, part_body, read_part};
 use crate::store::document::Unreadable;
 use crate::store::document::tests::{golden, one_field_less};
+use umwelt_lab::evolution::{Generation, STATE_VERSION, Spread};
+use umwelt_lab::work::Work as _;
 
 type Kept = Checkpoint<Evolution>;
 

@@ -2,8 +2,9 @@
 
 use crate::jobs::{Job, Pace, Shown, State};
 use umwelt_api::EvolutionId;
-use umwelt_api::evolution::{self, Champion, Event, Progress, Spec, Stage};
-use umwelt_core::evolution::Evolution;
+use umwelt_api::evolution::{self, Champion, Event, Progress, Stage};
+use umwelt_lab::evolution::Evolution;
+use umwelt_lab::wire;
 
 impl Job<Evolution> {
     /// As the wire has it.
@@ -13,7 +14,7 @@ impl Job<Evolution> {
         evolution::Evolution {
             evolution: EvolutionId::numbered(self.id().number),
             state: record.state.into(),
-            spec: Spec::from_core(&record.settings, Some(record.own.as_str())),
+            spec: wire::evolution::spec(&record.settings, Some(record.own.as_str())),
             progress: self.progress(&shown),
             interrupted: record.interrupted,
             created_unix_s: record.created_unix,
@@ -51,7 +52,10 @@ impl Shown<Evolution> {
     /// What it is doing, and how many generations have ended and are kept.
     fn stage(&self) -> (Stage, u64) {
         let generations = self.record.settings.generations as u64;
-        self.record.reached.stage.map_or((Stage::Queued, 0), |it| Stage::of(it, generations))
+        self.record
+            .reached
+            .stage
+            .map_or((Stage::Queued, 0), |it| wire::evolution::stage(it, generations))
     }
 
     /// Generations that have ended and are kept.

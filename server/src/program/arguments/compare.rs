@@ -1,11 +1,11 @@
 //! The command line of `umwelt-server compare`.
 
 use super::values::threads;
-use crate::lab::offline::Order;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 use umwelt_api::comparison::{Request, Scenario};
+use umwelt_lab::offline::Order;
 
 /// What to compare.
 #[derive(Debug, Args)]

@@ -1,10 +1,10 @@
 //! The command line of `umwelt-server evolve`.
 
 use super::values::threads;
-use crate::lab::offline::Order;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use umwelt_api::evolution::{self, Request};
+use umwelt_lab::offline::Order;
 
 /// What to evolve. What is left out comes from the preset.
 #[derive(Debug, Args)]

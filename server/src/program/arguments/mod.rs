@@ -5,8 +5,6 @@ mod evolve;
 mod values;
 
 use crate::http::guard::{HostName, Origin, read_token};
-use crate::jobs::Priority;
-use crate::lab::offline::Order;
 use crate::program::config::{Config, MB};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use compare::Compare;
@@ -15,6 +13,8 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 use umwelt_api::{comparison, evolution};
+use umwelt_lab::offline::Order;
+use umwelt_lab::pool::Priority;
 use values::{at_least_one, filter, megabytes, seconds, threads};
 
 /// Data directory where none is named.

@@ -2,9 +2,9 @@
 
 use super::{Form, former};
 use umwelt_api::training::{Floor, Link, LinkModel, Slip, Spec};
-use umwelt_core::evolution::TrainingEnvironment;
 use umwelt_core::link;
 use umwelt_core::plant;
+use umwelt_lab::evolution::TrainingEnvironment;
 
 /// How simulated environments are kept. Version 1 had core's names.
 pub(crate) const FORM: Form = Form {

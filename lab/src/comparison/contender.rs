@@ -1,0 +1,275 @@
+//! Who is compared: a method with its prior and its number of slots.
+
+use super::Trial;
+use super::scenario::Environment;
+use super::settings::ComparisonSettings;
+use super::witness::{Errors, Oracle, Witness};
+use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
+use umwelt_core::conjugate::SampleStatistics;
+use umwelt_core::controller::Controller;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::episode::{Outcome, Scenario};
+use umwelt_core::identification::estimate::Channel;
+use umwelt_core::settings::{Attribution, Method, Prior, Settings};
+
+/// Time in s that an episode may take beyond the limit: the calibration takes about 20 s at full speed.
+const CALIBRATION_TIME: f64 = 60.0;
+
+/// A method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Approach {
+    /// The error distribution measured once on the normal link.
+    FixedNormal,
+    /// The error distribution measured once on the bad link.
+    FixedBad,
+    /// Samples only.
+    Statistic,
+    /// Prior and samples: the thesis's method, whatever its prior.
+    Bayesian,
+    /// Knows the floor's errors where it stands, and what the robot really plays.
+    Oracle,
+    /// [`StopWhenStale`].
+    StopWhenStale,
+    /// [`NoCompensation`].
+    NoCompensation,
+    /// [`EkfPacket`].
+    EkfPacket,
+    /// [`SlidingMode`].
+    SlidingMode,
+    /// [`GpMpc`].
+    GpMpc,
+}
+
+impl Approach {
+    /// Every method.
+    pub const ALL: [Self; 10] = [
+        Self::FixedNormal,
+        Self::FixedBad,
+        Self::Statistic,
+        Self::Bayesian,
+        Self::Oracle,
+        Self::StopWhenStale,
+        Self::NoCompensation,
+        Self::EkfPacket,
+        Self::SlidingMode,
+        Self::GpMpc,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FixedNormal => "fixed-normal",
+            Self::FixedBad => "fixed-bad",
+            Self::Statistic => "statistic",
+            Self::Bayesian => "bayesian",
+            Self::Oracle => "oracle",
+            Self::StopWhenStale => "stop-when-stale",
+            Self::NoCompensation => "no-compensation",
+            Self::EkfPacket => "ekf-packet",
+            Self::SlidingMode => "sliding-mode",
+            Self::GpMpc => "gp-mpc",
+        }
+    }
+
+    /// The method of this name.
+    ///
+    /// ```
+    /// use umwelt_lab::comparison::Approach;
+    /// assert!(Approach::ALL.iter().all(|it| Approach::named(it.name()) == Some(*it)));
+    /// assert_eq!(Approach::named("guess"), None);
+    /// ```
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|approach| approach.name() == name)
+    }
+
+    /// Whether it learns the environment while it drives.
+    pub fn identifies(self) -> bool {
+        matches!(self, Self::Statistic | Self::Bayesian)
+    }
+}
+
+/// One who is compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contender {
+    /// Its name; with the slots its label.
+    pub name: String,
+    /// Its method.
+    pub approach: Approach,
+    /// Slots per horizon.
+    pub slots: usize,
+    /// What it believes before any sample, where its method is Bayesian.
+    pub prior: Prior,
+}
+
+/// Every contender's name, with its method; those of several horizons come with each.
+const ALL: [(&str, Approach, &[usize]); 13] = [
+    ("fixed-normal", Approach::FixedNormal, &[1, 20]),
+    ("fixed-bad", Approach::FixedBad, &[1, 20]),
+    ("statistic", Approach::Statistic, &[1, 20]),
+    ("bayesian", Approach::Bayesian, &[1, 20]),
+    ("bayesian-default", Approach::Bayesian, &[1, 20]),
+    ("bayesian-flat", Approach::Bayesian, &[1, 20]),
+    ("bayesian-empirical", Approach::Bayesian, &[1, 20]),
+    ("oracle", Approach::Oracle, &[1, 20]),
+    ("stop-when-stale", Approach::StopWhenStale, &[1]),
+    ("no-compensation", Approach::NoCompensation, &[1]),
+    ("ekf-packet", Approach::EkfPacket, &[EkfPacket::SLOTS]),
+    ("sliding-mode", Approach::SlidingMode, &[1]),
+    ("gp-mpc", Approach::GpMpc, &[1]),
+];
+
+/// The method whose differences to the others are reported: the thesis's claims are against it.
+pub const BASELINE: &str = "statistic";
+
+/// The method that the thesis claims for.
+pub const CHAMPION: &str = "bayesian";
+
+/// Every contender, in the order in which they are shown.
+pub(super) fn all() -> Vec<Contender> {
+    let all = ALL.iter().flat_map(|(name, approach, slots)| {
+        slots.iter().map(|slots| Contender {
+            name: (*name).to_owned(),
+            approach: *approach,
+            slots: *slots,
+            prior: prior(name, *slots),
+        })
+    });
+    all.collect()
+}
+
+/// Every contender's name.
+pub fn method_names() -> impl Iterator<Item = &'static str> {
+    ALL.iter().map(|(name, ..)| *name)
+}
+
+/// The prior that a contender has by default: that of `bayesian` was evolved, with as many slots.
+fn prior(name: &str, slots: usize) -> Prior {
+    let built_in = match name {
+        "bayesian" if slots > 1 => "thesis-20",
+        "bayesian" => "thesis",
+        "bayesian-flat" => "flat",
+        "bayesian-empirical" => "empirical",
+        _ => "default",
+    };
+    Prior::built_in(built_in).unwrap_or_default()
+}
+
+impl Contender {
+    /// How it is shown: name and slots.
+    ///
+    /// ```
+    /// use umwelt_lab::comparison::ComparisonSettings;
+    /// let thesis = ComparisonSettings::scenario("thesis").ok_or("no such scenario")?;
+    /// assert_eq!(thesis.contenders[0].label(), "fixed-normal/1");
+    /// # Ok::<(), &str>(())
+    /// ```
+    pub fn label(&self) -> String {
+        format!("{}/{}", self.name, self.slots)
+    }
+
+    /// What its controller is told, where all are told `told`.
+    pub fn settings(&self, told: &Settings) -> Settings {
+        let settings = Settings { slots: self.slots, prior: self.prior, ..*told };
+        match self.approach {
+            Approach::FixedNormal => Settings { method: Method::FixedNormal, ..settings },
+            Approach::FixedBad => Settings { method: Method::FixedBad, ..settings },
+            Approach::Statistic => Settings { method: Method::Statistic, ..settings },
+            Approach::Bayesian => Settings { method: Method::Bayesian, ..settings },
+            Approach::Oracle => Settings {
+                method: Method::FixedNormal,
+                attribution: Attribution::Played,
+                ..settings
+            },
+            Approach::StopWhenStale => StopWhenStale::default().settings(&settings),
+            Approach::NoCompensation => peers::heedless(&settings),
+            Approach::EkfPacket => EkfPacket::tuned(&settings).settings(&settings),
+            Approach::SlidingMode => SlidingMode::tuned(&settings).settings(&settings),
+            Approach::GpMpc => GpMpc::tuned(&settings).settings(&settings),
+        }
+    }
+
+    /// Drives one episode. `known` says how each environment shows in the samples, and `here` which one this is; empty
+    /// where that is not asked.
+    pub(super) fn drive(
+        &self,
+        settings: &ComparisonSettings,
+        environment: &Environment,
+        known: &[Errors],
+        here: usize,
+        seed: u64,
+    ) -> (Trial, [SampleStatistics; 4]) {
+        let told = self.settings(&settings.controller);
+        let limit = settings.time_limit;
+        let scenario = Scenario {
+            time_limit: limit + CALIBRATION_TIME,
+            ..settings.episode(environment, told)
+        };
+        match self.approach {
+            Approach::FixedNormal
+            | Approach::FixedBad
+            | Approach::Statistic
+            | Approach::Bayesian => self.watched(&scenario, known, here, seed, limit),
+            Approach::Oracle => outcome(&scenario, Oracle::new(&scenario), seed, limit),
+            Approach::StopWhenStale => outcome(&scenario, StopWhenStale::default(), seed, limit),
+            Approach::NoCompensation => outcome(&scenario, NoCompensation, seed, limit),
+            Approach::EkfPacket => outcome(&scenario, EkfPacket::tuned(&told), seed, limit),
+            Approach::SlidingMode => outcome(&scenario, SlidingMode::tuned(&told), seed, limit),
+            Approach::GpMpc => outcome(&scenario, GpMpc::tuned(&told), seed, limit),
+        }
+    }
+
+    /// Drives one episode by what is believed, and watches what that is.
+    fn watched(
+        &self,
+        scenario: &Scenario,
+        known: &[Errors],
+        here: usize,
+        seed: u64,
+        time_limit: f64,
+    ) -> (Trial, [SampleStatistics; 4]) {
+        let identifies = self.approach.identifies();
+        let is_asked = identifies && known.len() > 1;
+        let (mut recognised, mut samples) = (None, None);
+        let controller = Controller::with(scenario.settings, Witness::default());
+        let driven = scenario.drive(controller, seed, |_, controller| {
+            let belief = controller.belief();
+            let taken = belief.samples();
+            if is_asked && samples != Some(taken) {
+                samples = Some(taken);
+                let is_right = Errors::nearest(known, &belief.model()) == here;
+                recognised = if is_right { recognised.or(samples) } else { None };
+            }
+        });
+        let Ok((outcome, controller)) = driven else { return lost(time_limit) };
+        let coverage = identifies.then(|| controller.compensation().coverage());
+        let statistics = |channel| controller.belief().channel(channel).sample_statistics();
+        let trial = Trial { recognised, coverage, ..trial(outcome, time_limit) };
+        (trial, Channel::ALL.map(statistics))
+    }
+}
+
+/// Drives one episode of which nothing but the outcome counts.
+fn outcome(
+    scenario: &Scenario,
+    compensation: impl Compensation,
+    seed: u64,
+    time_limit: f64,
+) -> (Trial, [SampleStatistics; 4]) {
+    let controller = Controller::with(scenario.settings, compensation);
+    let driven = scenario.drive(controller, seed, |_, _| {});
+    let Ok((outcome, _)) = driven else { return lost(time_limit) };
+    (trial(outcome, time_limit), Default::default())
+}
+
+/// An episode's outcome as it is compared. A robot that has not arrived in time took the whole of it.
+fn trial(outcome: Outcome, time_limit: f64) -> Trial {
+    let Outcome { arrived, time, max_deviation } = outcome;
+    let arrived = arrived && time <= time_limit;
+    let time = if arrived { time } else { time_limit };
+    Trial { arrived, time, deviation: max_deviation, ..Trial::default() }
+}
+
+/// What comes of an episode that cannot be simulated: checked before, so it does not happen.
+fn lost(time_limit: f64) -> (Trial, [SampleStatistics; 4]) {
+    (Trial { time: time_limit, ..Trial::default() }, Default::default())
+}

@@ -1,0 +1,337 @@
+//! Methods compared: contenders x environments x trials, on the same seeds.
+//!
+//! [`Comparison`] is a state machine without a clock, a thread or a file, as
+//! [`Evolution`](crate::evolution::Evolution) is: [`Comparison::jobs`] says what is to be driven now,
+//! [`Comparison::evaluate`] drives one episode, on whatever thread, [`Comparison::tell`] takes the results in. Between two
+//! `tell`s its whole state can be stored and taken up again: the report is the same, bit for bit.
+//!
+//! 1. *Reference*: on seeds of their own, how each environment shows in the samples, so that it can be said when a
+//!    contender believes to be in the right one.
+//! 2. *Trials*: every contender drives the same seeds (common random numbers): the same slots are late for each, the
+//!    same cells of the floor slip.
+//! 3. *Report*: distributions, differences to `statistic` paired by seed, with bootstrap intervals.
+//!
+//! ```
+//! use umwelt_lab::comparison::{Comparison, ComparisonSettings};
+//! let thesis = ComparisonSettings::scenario("thesis").ok_or("no such scenario")?;
+//! let mut comparison = Comparison::new(ComparisonSettings { trials: 2, ..thesis })?;
+//! while comparison.report().is_none() {
+//!     let jobs = comparison.jobs();
+//!     let evaluations: Vec<_> = jobs.iter().map(|job| comparison.evaluate(job)).collect();
+//!     comparison.tell(&evaluations)?;
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod beliefs;
+mod bootstrap;
+mod contender;
+mod report;
+mod scenario;
+mod settings;
+mod witness;
+mod work;
+
+pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
+pub use report::{
+    Claim, Difference, Entry, EnvironmentReport, LEVEL, PROMISED_DEVIATION, PROMISED_TIME,
+    Quantities, Recognition, Report, Summary,
+};
+pub use scenario::{Environment, SCENARIOS, TRIALS};
+pub use settings::{
+    ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
+};
+pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
+
+use crate::evolution::TellError;
+use crate::seeds::{self, Purpose};
+use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::SampleStatistics;
+
+/// Version of the stored state; a state of another version is not taken up.
+pub const STATE_VERSION: u32 = 1;
+
+/// Episodes of each environment that say how it shows in the samples.
+pub const REFERENCE_TRIALS: usize = 20;
+
+/// Episodes of a batch, at least, about: some seconds, which is what a restart costs.
+const BATCH: usize = 2000;
+
+/// Batches at most, about: after each the whole state is kept.
+const BATCHES: usize = 20;
+
+/// How far a comparison has got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// It is measured how each environment shows in the samples.
+    Reference,
+    /// Contenders drive.
+    Trials {
+        /// Trials that all have driven.
+        done: usize,
+    },
+    /// There is a report.
+    Done,
+}
+
+/// One episode to drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Job {
+    /// Which contender; for the reference, which number of slots.
+    subject: usize,
+    environment: usize,
+    seed: u64,
+}
+
+/// What is kept of one episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Whether the robot arrived within the time limit.
+    pub arrived: bool,
+    /// Time in s from the end of the calibration to the arrival; the time limit where it did not arrive.
+    pub time: f64,
+    /// Largest deviation in m of the true position.
+    pub deviation: f64,
+    /// Samples after which the environment that the robot was in is the one it believed in for good; none where that
+    /// never came, or is not asked.
+    pub recognised: Option<u64>,
+    /// How well its intervals held what came; none where it does not identify.
+    pub coverage: Option<Coverage>,
+}
+
+/// What came of one episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// What is kept.
+    pub trial: Trial,
+    /// The samples of each channel.
+    samples: [SampleStatistics; 4],
+}
+
+/// Every trial of a contender in an environment, in the order of the seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Distribution {
+    /// The environment.
+    pub environment: String,
+    /// The contender's label.
+    pub contender: String,
+    /// Its trials.
+    pub trials: Vec<Trial>,
+}
+
+/// A comparison: settings, and how far it has got.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    settings: ComparisonSettings,
+    state: State,
+}
+
+/// How far a comparison has got: what is stored between two `tell`s, beside its settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    version: u32,
+    stage: Stage,
+    /// How each environment shows in the samples, by number of slots; empty where that is not asked.
+    known: Vec<Known>,
+    /// Of each environment and contender, in that order.
+    cells: Vec<Vec<Trial>>,
+    episodes: u64,
+    report: Option<Report>,
+}
+
+/// How the environments show in the samples of a robot that is sent so many slots.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Known {
+    slots: usize,
+    environments: Vec<Errors>,
+}
+
+impl Comparison {
+    /// A comparison that has not begun.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the settings.
+    pub fn new(settings: ComparisonSettings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let cells = settings.environments.len() * settings.contenders.len();
+        let state = State {
+            version: STATE_VERSION,
+            stage: Stage::Reference,
+            known: Vec::new(),
+            cells: vec![Vec::new(); cells],
+            episodes: 0,
+            report: None,
+        };
+        let mut comparison = Self { settings, state };
+        if comparison.slots().is_empty() {
+            comparison.state.stage = Stage::Trials { done: 0 };
+        }
+        Ok(comparison)
+    }
+
+    /// A comparison of these settings that goes on where another one of them was: the same as that one, bit for bit.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the settings.
+    pub fn resume(settings: ComparisonSettings, state: State) -> Result<Self, SettingsError> {
+        settings.check()?;
+        Ok(Self { settings, state })
+    }
+
+    /// How far it has got, to be stored.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// What it was told.
+    pub fn settings(&self) -> &ComparisonSettings {
+        &self.settings
+    }
+
+    /// How far it has got.
+    pub fn stage(&self) -> Stage {
+        self.state.stage
+    }
+
+    /// Episodes driven so far.
+    pub fn episodes(&self) -> u64 {
+        self.state.episodes
+    }
+
+    /// Episodes that the whole of it takes.
+    pub fn total_episodes(&self) -> u64 {
+        let reference = self.slots().len() * self.settings.environments.len() * REFERENCE_TRIALS;
+        reference as u64 + self.settings.compared_episodes()
+    }
+
+    /// What came of it, once it is done.
+    pub fn report(&self) -> Option<&Report> {
+        self.state.report.as_ref()
+    }
+
+    /// Every trial so far, environment by environment, contender by contender.
+    pub fn distributions(&self) -> Vec<Distribution> {
+        let ComparisonSettings { environments, contenders, .. } = &self.settings;
+        let places = environments.iter().flat_map(|environment| {
+            contenders.iter().map(move |contender| (environment.name.clone(), contender.label()))
+        });
+        let cells = places.zip(&self.state.cells);
+        cells
+            .map(|((environment, contender), trials)| Distribution {
+                environment,
+                contender,
+                trials: trials.clone(),
+            })
+            .collect()
+    }
+
+    /// Numbers of slots of those who identify, where there are environments to be told apart.
+    fn slots(&self) -> Vec<usize> {
+        if !self.settings.tells_apart() {
+            return Vec::new();
+        }
+        let identifying = self.settings.contenders.iter().filter(|it| it.approach.identifies());
+        let mut slots: Vec<_> = identifying.map(|it| it.slots).collect();
+        slots.sort_unstable();
+        slots.dedup();
+        slots
+    }
+
+    /// What is to be driven now. Empty once done.
+    pub fn jobs(&self) -> Vec<Job> {
+        let ComparisonSettings { environments, contenders, seed, trials, .. } = &self.settings;
+        let (purpose, subjects, trials) = match self.state.stage {
+            Stage::Reference => (Purpose::Recognise, self.slots().len(), 0..REFERENCE_TRIALS),
+            Stage::Trials { done } => {
+                let batch = BATCH.max(self.settings.compared_episodes() as usize / BATCHES);
+                let batch = (batch / (environments.len() * contenders.len())).max(1);
+                (Purpose::Compare, contenders.len(), done..(done + batch).min(*trials))
+            }
+            Stage::Done => return Vec::new(),
+        };
+        let of_trial = |trial| {
+            (0..environments.len()).flat_map(move |environment| {
+                // Common random numbers: no seed depends on the contender.
+                let seed = seeds::seed(*seed, purpose, [environment, trial, 0]);
+                (0..subjects).map(move |subject| Job { subject, environment, seed })
+            })
+        };
+        trials.flat_map(of_trial).collect()
+    }
+
+    /// Drives one episode of [`Comparison::jobs`]. The same job gives the same evaluation, bit for bit, on any thread.
+    pub fn evaluate(&self, job: &Job) -> Evaluation {
+        let environment = &self.settings.environments[job.environment];
+        let (trial, samples) = match self.state.stage {
+            Stage::Reference => {
+                let slots = self.slots()[job.subject];
+                let statistic = Contender {
+                    name: BASELINE.to_owned(),
+                    approach: Approach::Statistic,
+                    slots,
+                    prior: self.settings.controller.prior,
+                };
+                statistic.drive(&self.settings, environment, &[], 0, job.seed)
+            }
+            Stage::Trials { .. } | Stage::Done => {
+                let contender = &self.settings.contenders[job.subject];
+                let known = self.state.known.iter().find(|it| it.slots == contender.slots);
+                let known = known.map_or(&[][..], |known| &known.environments);
+                contender.drive(&self.settings, environment, known, job.environment, job.seed)
+            }
+        };
+        Evaluation { trial, samples }
+    }
+
+    /// Takes in the evaluations of [`Comparison::jobs`], in their order, and goes on.
+    ///
+    /// # Errors
+    /// Where there are more or fewer than jobs; nothing has happened then.
+    pub fn tell(&mut self, evaluations: &[Evaluation]) -> Result<(), TellError> {
+        let asked = self.jobs().len();
+        if evaluations.len() != asked {
+            return Err(TellError { given: evaluations.len(), asked });
+        }
+        self.state.episodes += evaluations.len() as u64;
+        let environments = self.settings.environments.len();
+        match self.state.stage {
+            Stage::Reference => {
+                let slots = self.slots();
+                let of_place = |place: usize| -> Vec<_> {
+                    let places = environments * slots.len();
+                    evaluations.iter().skip(place).step_by(places).map(|it| it.samples).collect()
+                };
+                let known = slots.iter().enumerate().map(|(subject, &slots_sent)| Known {
+                    slots: slots_sent,
+                    environments: (0..environments)
+                        .map(|environment| {
+                            Errors::of(&of_place(environment * slots.len() + subject))
+                        })
+                        .collect(),
+                });
+                self.state.known = known.collect();
+                self.state.stage = Stage::Trials { done: 0 };
+            }
+            Stage::Trials { done } => {
+                let cells = self.state.cells.len();
+                for batch in evaluations.chunks_exact(cells) {
+                    for (cell, evaluation) in self.state.cells.iter_mut().zip(batch) {
+                        cell.push(evaluation.trial);
+                    }
+                }
+                let done = done + evaluations.len() / cells;
+                self.state.stage = Stage::Trials { done };
+                if done == self.settings.trials {
+                    self.state.report = Some(report::report(&self.settings, &self.state.cells));
+                    self.state.stage = Stage::Done;
+                }
+            }
+            Stage::Done => {}
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,33 @@
+//! `no-compensation`: what a controller does that was written for a wire.
+
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::geometry::Pose;
+use umwelt_core::prediction::Prediction;
+use umwelt_core::settings::Settings;
+
+/// Steers by the last pose as if the robot stood there now: no delay is made up for.
+///
+/// It knows when its own commands changed, and so does not mistake a robot that it stopped for one that drives; it does
+/// not know that what it sees is old. Over a loop of 0.3 s the slowest speed carries a robot on by 7 mm, so that it drives
+/// past its waypoint and has to come back; where it lags besides and its controller does not know (`systematic`), it passes
+/// the tolerance of 10 mm each time and does not arrive at all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NoCompensation;
+
+impl Compensation for NoCompensation {
+    fn loop_delay(&self, _: &Settings) -> f64 {
+        // Its commands come into force as soon as they arrive.
+        0.0
+    }
+
+    fn predict(
+        &self,
+        settings: &Settings,
+        _: f64,
+        observed: Pose,
+        _: f64,
+        _: Prediction,
+    ) -> Prediction {
+        Prediction::moments(observed, settings.noise)
+    }
+}

@@ -1,0 +1,63 @@
+use super::*;
+use crate::comparison::ComparisonSettings;
+use umwelt_core::controller::Controller;
+use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::episode::{Outcome, Scenario};
+
+/// The thesis's trip over its normal link.
+fn scenario(settings: impl Fn(&Settings) -> Settings, slots: usize) -> Scenario {
+    let thesis = ComparisonSettings::scenario("thesis").unwrap();
+    let environment = &thesis.environments[0];
+    Scenario {
+        settings: Settings { slots, ..settings(&thesis.controller) },
+        plant: environment.plant,
+        link: environment.link.clone(),
+        task: thesis.task,
+        start: thesis.start,
+        region: None,
+        time_limit: 240.0,
+    }
+}
+
+/// Drives a few seeds, each twice.
+fn drive<C: Compensation>(scenario: &Scenario, peer: impl Fn(&Settings) -> C) -> Vec<Outcome> {
+    let run = |seed| {
+        let controller = Controller::with(scenario.settings, peer(&scenario.settings));
+        scenario.drive(controller, seed, |_, _| {}).unwrap().0
+    };
+    let outcomes: Vec<_> = (0..3).map(run).collect();
+    let again: Vec<_> = (0..3).map(run).collect();
+    assert_eq!(outcomes, again);
+    outcomes
+}
+
+fn all_arrive(outcomes: &[Outcome], deviation: f64) {
+    for outcome in outcomes {
+        assert!(outcome.arrived && outcome.max_deviation < deviation, "{outcome:?}");
+    }
+}
+
+#[test]
+fn the_filter_arrives() {
+    let scenario = scenario(|told| EkfPacket::tuned(told).settings(told), EkfPacket::SLOTS);
+    all_arrive(&drive(&scenario, EkfPacket::tuned), 0.015);
+}
+
+#[test]
+fn sliding_mode_arrives() {
+    let scenario = scenario(|told| SlidingMode::tuned(told).settings(told), 1);
+    all_arrive(&drive(&scenario, SlidingMode::tuned), 0.015);
+}
+
+#[test]
+fn the_gaussian_process_arrives() {
+    let scenario = scenario(|told| GpMpc::tuned(told).settings(told), 1);
+    all_arrive(&drive(&scenario, GpMpc::tuned), 0.015);
+}
+
+#[test]
+fn those_who_do_not_predict_or_do_not_wait_arrive_too() {
+    let stale = |_: &Settings| StopWhenStale::default();
+    all_arrive(&drive(&scenario(|told| stale(told).settings(told), 1), stale), 0.03);
+    all_arrive(&drive(&scenario(heedless, 1), |_| NoCompensation), 0.05);
+}
