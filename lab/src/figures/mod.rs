@@ -6,11 +6,11 @@
 //! where a row or a column of panels begins. Text is text in whatever sans-serif the reader has, so nothing here
 //! measures a font: room for text is estimated, generously.
 //!
-//! plotters draws whole units only, hence a grid of [`UNIT`] to the pixel; its SVG has no dashes, hence a nested
+//! plotters draws whole units only, hence a grid of `UNIT` to the pixel; its SVG has no dashes, hence a nested
 //! document for each layer, which inherits them from the group around it.
 //!
 //! Architecture invariants: a figure is a pure function, nothing is read or written; no figure styles anything by
-//! itself; names come from users, so every text passes [`text::printable`] and is escaped.
+//! itself; names come from users, so every text passes `text::printable` and is escaped.
 
 mod axis;
 pub mod comparison;

@@ -160,7 +160,7 @@ pub(super) fn beta_quantile(a: f64, b: f64, p: f64) -> f64 {
 /// The t for which a standard Student t with `degrees` degrees of freedom lies in -t..t with probability `level`.
 ///
 /// t^2/(r + t^2) ~ Beta(1/2, r/2), thus t = sqrt(r) e^(z/2) with z the logit of that Beta's quantile. Beyond
-/// [`MANY_DEGREES`] the leading term of Fisher's expansion in 1/r, (t^3 + t)/4r, continues it to the normal.
+/// `MANY_DEGREES` the leading term of Fisher's expansion in 1/r, (t^3 + t)/4r, continues it to the normal.
 pub fn student_t_half_width(degrees: f64, level: f64) -> f64 {
     debug_assert!(level > 0.0 && level < 1.0, "level {level}");
     let r = degrees.min(MANY_DEGREES);
