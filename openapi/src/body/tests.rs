@@ -345,3 +345,13 @@ fn a_field_that_a_type_leaves_out_is_known_all_the_same() {
     let unknown = read(r#"{"inner": [{"limits": null}]}"#).unwrap_err();
     assert_eq!(unknown.details()[0].field, "inner[0].limits");
 }
+
+/// Guards against serde's other spelling of a variant: its number.
+#[test]
+fn a_variant_is_never_told_by_its_number() {
+    for number in [json!(0), json!(1), json!(7), json!(true), json!(null), json!([]), json!({})] {
+        let body = json!({"predictor": {"kind": number}}).to_string();
+        let problems = robot::Spec::read(body.as_bytes()).expect_err(&body);
+        assert_eq!(problems.details()[0].field, "predictor.kind", "{problems}");
+    }
+}

@@ -233,7 +233,15 @@ impl<'de> Deserializer<'de> for Reader<'_, 'de> {
         visitor.visit_unit()
     }
 
-    forward_to_deserialize_any! { i128 u128 char bytes byte_buf unit unit_struct identifier }
+    /// The name of a variant, in a field that tells variants apart: never its number.
+    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.node {
+            Node::Text(_) => self.deserialize_any(visitor),
+            _ => Err(self.is_not("a text")),
+        }
+    }
+
+    forward_to_deserialize_any! { i128 u128 char bytes byte_buf unit unit_struct }
 }
 
 /// The items of a list.
