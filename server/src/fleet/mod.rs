@@ -196,7 +196,7 @@ impl Fleet {
         to_the_end(async move {
             fleet.accepts_changes()?;
             let _creating = fleet.0.creating.lock().await;
-            if fleet.0.unreadable.find(Kind::Robot, id.as_str()).is_none() {
+            if !fleet.0.unreadable.has(Kind::Robot, id.as_str()) {
                 return Err(failure::no_such_robot(&id));
             }
             // Nobody has seen a version of it.

@@ -22,7 +22,7 @@ impl Fleet {
         unreadable: Unreadables,
     ) -> Self {
         let earlier = stops.words.newest();
-        let is_unreadable = |id: &RobotId| unreadable.find(Kind::Robot, id.as_str()).is_some();
+        let is_unreadable = |id: &RobotId| unreadable.has(Kind::Robot, id.as_str());
         let ids = robots.iter().map(|robot| robot.id.clone());
         let unkept = Unkept::of(&stops.words, ids, is_unreadable);
         let revisions = robots.iter().map(|robot| robot.record.revision);

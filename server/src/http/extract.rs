@@ -71,10 +71,8 @@ impl FromRequestParts<App> for Known {
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Failure> {
         let Id(id) = Id::from_request_parts(parts, app).await?;
         app.fleet.find(&id).map(Self).ok_or_else(|| {
-            match app.unreadable.find(Kind::Robot, id.as_str()) {
-                Some(unreadable) => unreadable.failure(),
-                None => failure::no_such_robot(&id),
-            }
+            let unreadable = app.unreadable.failure(Kind::Robot, id.as_str());
+            unreadable.unwrap_or_else(|| failure::no_such_robot(&id))
         })
     }
 }

@@ -114,15 +114,16 @@ impl<W: Work> Reached<W> {
     }
 }
 
-/// What is kept of a job but its parts and its checkpoint.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Record<W: Work> {
+/// What is kept of a job but its parts and its checkpoint. It is written down with its settings as specs, `W::Spec`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "S: Serialize", deserialize = "S: DeserializeOwned"))]
+pub(crate) struct Record<W: Work, S = <W as umwelt_lab::work::Work>::Settings> {
     pub(crate) state: State,
     /// How often it went on after a restart.
     pub(crate) interrupted: u64,
     /// When it was submitted, in s since 1970.
     pub(crate) created_unix: u64,
-    pub(crate) settings: W::Settings,
+    pub(crate) settings: S,
     pub(crate) own: W::Own,
     /// The key under which it was submitted, if any.
     pub(crate) key: Option<String>,
@@ -135,33 +136,22 @@ pub(crate) struct Record<W: Work> {
     pub(crate) reached: Reached<W>,
 }
 
-/// A record in the form in which it is kept: with the settings as specs.
-#[derive(Serialize, Deserialize)]
-#[serde(bound = "")]
-struct Kept<W: Work> {
-    state: State,
-    interrupted: u64,
-    created_unix: u64,
-    settings: W::Spec,
-    own: W::Own,
-    key: Option<String>,
-    request: String,
-    error: Option<String>,
-    report: Option<W::Report>,
-    reached: Reached<W>,
-}
-
-impl<W: Work> Record<W> {
-    /// As it is kept.
-    ///
-    /// # Errors
-    /// Where it would not be read back as it is: JSON has no infinity.
-    pub(crate) fn stored(&self, id: JobId) -> Result<StoredJob, serde_json::Error> {
-        let Self { state, interrupted, created_unix, settings, own, key, request, error, .. } =
-            self.clone();
-        let (settings, report, reached) =
-            (W::spec(&settings), self.report.clone(), self.reached.clone());
-        let kept: Kept<W> = Kept {
+impl<W: Work, S> Record<W, S> {
+    /// The same with other settings.
+    fn with<T>(self, settings: T) -> Record<W, T> {
+        let Self {
+            state,
+            interrupted,
+            created_unix,
+            own,
+            key,
+            request,
+            error,
+            report,
+            reached,
+            ..
+        } = self;
+        Record {
             state,
             interrupted,
             created_unix,
@@ -172,8 +162,17 @@ impl<W: Work> Record<W> {
             error,
             report,
             reached,
-        };
-        let body = W::FORM.write(&kept)?;
+        }
+    }
+}
+
+impl<W: Work> Record<W> {
+    /// As it is kept.
+    ///
+    /// # Errors
+    /// Where it would not be read back as it is: JSON has no infinity.
+    pub(crate) fn stored(&self, id: JobId) -> Result<StoredJob, serde_json::Error> {
+        let body = W::FORM.write(&self.clone().with(W::spec(&self.settings)))?;
         if Self::read(&body).as_ref() != Ok(self) {
             return Err(serde_json::Error::custom("some number in it is infinite or none at all"));
         }
@@ -183,22 +182,10 @@ impl<W: Work> Record<W> {
     /// What is kept.
     pub(crate) fn read(body: &str) -> Result<Self, Unreadable> {
         W::FORM.read_with(body, |content| {
-            let kept: Kept<W> = serde_json::from_value(content).map_err(|it| it.to_string())?;
-            let Kept { state, interrupted, created_unix, settings, own, key, request, .. } = kept;
-            let (error, report, reached) = (kept.error, kept.report, kept.reached);
-            let settings = W::settings(&settings)?;
-            Ok::<_, String>(Self {
-                state,
-                interrupted,
-                created_unix,
-                settings,
-                own,
-                key,
-                request,
-                error,
-                report,
-                reached,
-            })
+            let kept: Record<W, W::Spec> =
+                serde_json::from_value(content).map_err(|it| it.to_string())?;
+            let settings = W::settings(&kept.settings)?;
+            Ok::<_, String>(kept.with(settings))
         })
     }
 }
@@ -212,20 +199,11 @@ pub(crate) struct Checkpoint<W: Work> {
     pub(crate) elapsed: f64,
 }
 
-/// A checkpoint in the form in which it is kept; the settings of the work stand in the record.
-#[derive(Serialize)]
-#[serde(bound = "")]
-struct Written<'a, W: Work> {
-    work: &'a W::State,
-    latest: Option<W::Latest>,
-    elapsed: f64,
-}
-
-/// The same as it is read.
-#[derive(Deserialize)]
-#[serde(bound = "")]
-struct Read<W: Work> {
-    work: Value,
+/// A checkpoint in the form in which it is kept: the settings of the work stand in the record, and its state is a `T`.
+#[derive(Serialize, Deserialize)]
+#[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
+struct Kept<W: Work, T> {
+    work: T,
     latest: Option<W::Latest>,
     elapsed: f64,
 }
@@ -246,12 +224,12 @@ impl<W: Work> Checkpoint<W> {
     /// As it is kept.
     pub(crate) fn body(&self) -> Result<String, serde_json::Error> {
         let Self { work, latest, elapsed } = self;
-        CHECKPOINT.write(&Written::<W> { work: work.state(), latest: *latest, elapsed: *elapsed })
+        CHECKPOINT.write(&Kept::<W, _> { work: work.state(), latest: *latest, elapsed: *elapsed })
     }
 
     /// What is kept of a job of these settings.
     pub(crate) fn read(body: &str, settings: &W::Settings) -> Result<Self, Unusable> {
-        let Read::<W> { work, latest, elapsed } = CHECKPOINT.read(body)?;
+        let Kept::<W, Value> { work, latest, elapsed } = CHECKPOINT.read(body)?;
         // The version first: what stands beside it may be anything.
         let found = work.get("version").and_then(Value::as_u64).unwrap_or(0);
         if found != u64::from(W::STATE_VERSION) {

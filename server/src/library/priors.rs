@@ -102,8 +102,7 @@ impl Priors {
 
     /// Whether there is a prior of this name, if only one that cannot be read.
     pub(crate) fn has(&self, name: &PriorId) -> bool {
-        let unreadable = || self.0.unreadable.find(Kind::Prior, name.as_str());
-        self.0.all.find(name).is_some() || unreadable().is_some()
+        self.0.all.find(name).is_some() || self.0.unreadable.has(Kind::Prior, name.as_str())
     }
 
     /// All of them by their names.

@@ -50,7 +50,7 @@ impl Unreadable {
     }
 
     /// What it is and who wrote it, for people.
-    pub(crate) fn said(&self) -> String {
+    fn said(&self) -> String {
         let Self { kind, name, written_by, why, .. } = self;
         let by =
             written_by.as_ref().map_or_else(String::new, |it| format!(", written by version {it}"));
@@ -58,7 +58,7 @@ impl Unreadable {
     }
 
     /// What to do about it.
-    pub(crate) fn remedy(&self) -> String {
+    fn remedy(&self) -> String {
         let Self { kind, name, .. } = self;
         let kind = kind.name();
         format!(
@@ -67,14 +67,14 @@ impl Unreadable {
     }
 
     /// What somebody is told who asks for it.
-    pub(crate) fn failure(&self) -> Failure {
+    fn failure(&self) -> Failure {
         let (kind, name) = (self.kind.name(), self.name.as_str());
         let detail = Detail::new(reason::UNREADABLE, kind, name, self.remedy());
         Failure::new(Status::FailedPrecondition, self.said()).with(detail)
     }
 
     /// As the wire has it.
-    pub(crate) fn shown(&self) -> umwelt_api::page::Unreadable {
+    fn shown(&self) -> umwelt_api::page::Unreadable {
         umwelt_api::page::Unreadable {
             name: self.name.clone(),
             written_by: self.written_by.clone(),
@@ -109,9 +109,14 @@ impl Unreadables {
         self.0.write().unwrap_or_else(PoisonError::into_inner).insert(key, unreadable);
     }
 
-    /// The one of this name.
-    pub(crate) fn find(&self, kind: Kind, name: &str) -> Option<Unreadable> {
-        self.all().get(&(kind, name.to_owned())).cloned()
+    /// Whether there is one of this name.
+    pub(crate) fn has(&self, kind: Kind, name: &str) -> bool {
+        self.all().contains_key(&(kind, name.to_owned()))
+    }
+
+    /// What somebody is told who asks for this one, where it is one of these.
+    pub(crate) fn failure(&self, kind: Kind, name: &str) -> Option<Failure> {
+        self.all().get(&(kind, name.to_owned())).map(Unreadable::failure)
     }
 
     /// The revisions of records of robots.

@@ -63,7 +63,7 @@ pub(crate) async fn delete(
         accepts_changes(&app)?;
         let _changing = app.environments.changing().await;
         let Some(named) = app.environments.all().find(&id) else {
-            if app.unreadable.find(Kind::Environment, id.as_str()).is_none() {
+            if !app.unreadable.has(Kind::Environment, id.as_str()) {
                 return Err(missing(&app, &id));
             }
             condition.check(None)?;
@@ -96,10 +96,8 @@ fn accepts_changes(app: &App) -> Result<(), Failure> {
 
 /// Nothing goes by this name, or what cannot be read.
 fn missing(app: &App, id: &EnvironmentId) -> Failure {
-    match app.unreadable.find(Kind::Environment, id.as_str()) {
-        Some(unreadable) => unreadable.failure(),
-        None => failure::no_such("environment", id.as_str()),
-    }
+    let unreadable = app.unreadable.failure(Kind::Environment, id.as_str());
+    unreadable.unwrap_or_else(|| failure::no_such("environment", id.as_str()))
 }
 
 /// Whether the name is for those who put environments.

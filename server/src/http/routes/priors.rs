@@ -71,7 +71,7 @@ pub(crate) async fn delete(
         accepts_changes(&app)?;
         let _changing = app.priors.changing().await;
         let Some(named) = app.priors.all().find(&id) else {
-            if app.unreadable.find(Kind::Prior, id.as_str()).is_none() {
+            if !app.unreadable.has(Kind::Prior, id.as_str()) {
                 return Err(missing(&app, &id));
             }
             condition.check(None)?;
@@ -106,10 +106,8 @@ fn show(app: &App, code: StatusCode, named: &Named) -> axum::response::Response 
 
 /// Nothing goes by this name, or what cannot be read.
 fn missing(app: &App, id: &PriorId) -> Failure {
-    match app.unreadable.find(Kind::Prior, id.as_str()) {
-        Some(unreadable) => unreadable.failure(),
-        None => failure::no_such("prior", id.as_str()),
-    }
+    let unreadable = app.unreadable.failure(Kind::Prior, id.as_str());
+    unreadable.unwrap_or_else(|| failure::no_such("prior", id.as_str()))
 }
 
 fn accepts_changes(app: &App) -> Result<(), Failure> {

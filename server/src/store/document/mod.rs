@@ -1,14 +1,14 @@
 //! What a body in the store says: a form of our own, with a version, that follows the program upward.
 //!
 //! A body is `{"version": 2, "program": "0.1.0", ...}` with its content beside the version, or within `content` where it is
-//! of a job. Contents are the specs of the wire, with what names
-//! stood for when they were given beside them; core is made of them as at PUT, without the ranges of the day. So core's
-//! types change freely, and a kept thing never stops being valid.
+//! of a job. Contents are the specs of the wire, with what names stood for when they were given beside them; core is made
+//! of them as at PUT, without the ranges of the day. So core's types change freely, and a kept thing never stops being
+//! valid.
 //!
 //! - **A new field**: write what its absence meant into the base of its [`Form`] (`base/*.json`). A kept thing
 //!   without the field means that, whatever the default for new ones is.
 //! - **Another shape**: one more [`Upgrade`], and the base in the new shape. The golden files of every version
-//!   (`tests/golden`) are read by a test; the file of the newest version is what is written today.
+//!   (`golden` here and beside each kind of job) are read by a test; the file of the newest version is what is written today.
 //!
 //! What cannot be read is [`Unreadable`]: it is of a newer program, or of a broken one. It is no damage, which is what
 //! checksums find.

@@ -70,7 +70,7 @@ pub(crate) async fn delete<W: Resource>(State(app): State<App>, Name(id): Name<W
             jobs.delete(&job).await?;
             return Ok(answer::nothing());
         }
-        if app.unreadable.find(kind, name).is_none() {
+        if !app.unreadable.has(kind, name) {
             return Err(failure::no_such(kind.name(), name));
         }
         jobs.give_up(name).await?;

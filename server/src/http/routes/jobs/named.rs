@@ -21,9 +21,9 @@ impl<W: Resource> FromRequestParts<App> for Named<W> {
         let id: W::Id = named(parts, app, kind).await?;
         let found = W::jobs(app).find(id.as_ref()).map(Self);
         let name = id.as_ref();
-        found.ok_or_else(|| match app.unreadable.find(Kind::Job(W::KIND), name) {
-            Some(unreadable) => unreadable.failure(),
-            None => failure::no_such(kind, name),
+        found.ok_or_else(|| {
+            let unreadable = app.unreadable.failure(Kind::Job(W::KIND), name);
+            unreadable.unwrap_or_else(|| failure::no_such(kind, name))
         })
     }
 }
