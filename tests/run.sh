@@ -10,8 +10,9 @@ step 'format';          cargo fmt --all --check
 step 'lints';           cargo clippy --workspace --all-targets --locked -- -D warnings
                         cargo clippy --workspace --test real_time --locked -- -D warnings
 step 'build';           cargo build --workspace --all-targets --locked
-step 'robot alone';     cargo clippy -p umwelt-core --no-default-features --locked -- -D warnings
+step 'parts alone';     cargo clippy -p umwelt-core --no-default-features --locked -- -D warnings
                         cargo test -p umwelt-core --no-default-features --lib --test robot_side --locked
+                        cargo clippy -p umwelt-client --locked -- -D warnings
 step 'tests';           cargo test --workspace --locked
 step 'real-time tests'; cargo test --workspace --test real_time --locked -- --test-threads=1
 step 'contract';        bash tests/contract.sh

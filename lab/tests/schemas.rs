@@ -2,7 +2,7 @@
 //! 400, and what it does not allow always is. Bodies are drawn from `openapi.json` and then spoiled, with a fixed seed.
 
 use serde_json::{Map, Value, json};
-use umwelt_api::{Problems, comparison, evolution, prior, robot, step, task, training};
+use umwelt_api::{Problems, prior, robot, step, task, training};
 use umwelt_lab::wire;
 
 /// Bodies of each kind.
@@ -296,20 +296,14 @@ fn what_the_schemas_allow_and_what_is_refused_as_bad_are_each_others_rest() {
         ("/v1/robots/{robot}", "put", |json| {
             robot::Spec::read_known(json, prior::built_in).map(drop)
         }),
-        ("/v1/robots/{robot}/task", "put", |json| task::Spec::read(json)?.to_core().map(drop)),
-        ("/v1/robots/{robot}/step", "post", |json| step::Request::read(json)?.to_core().map(drop)),
-        ("/v1/priors/{prior}", "put", |json| prior::Spec::read(json)?.to_core().map(drop)),
-        ("/v1/environments/{environment}", "put", |json| {
-            let name = "mine".parse().expect("an id");
-            wire::training::environment(&training::Spec::read(json)?, &name).map(drop)
-        }),
+        ("/v1/robots/{robot}/task", "put", |json| task::Spec::read(json).map(drop)),
+        ("/v1/robots/{robot}/step", "post", |json| step::Request::read(json).map(drop)),
+        ("/v1/priors/{prior}", "put", |json| prior::Spec::read(json).map(drop)),
+        ("/v1/environments/{environment}", "put", |json| training::Spec::read(json).map(drop)),
         ("/v1/evolutions", "post", |json| {
-            wire::evolution::settings(&evolution::Request::read(json)?, wire::training::built_in)
-                .map(drop)
+            wire::evolution::read(json, wire::training::built_in).map(drop)
         }),
-        ("/v1/comparisons", "post", |json| {
-            wire::comparison::settings(&comparison::Request::read(json)?, prior::built_in).map(drop)
-        }),
+        ("/v1/comparisons", "post", |json| wire::comparison::read(json, prior::built_in).map(drop)),
     ];
     for (path, method, read) in kinds {
         let schema = contract.body(path, method);

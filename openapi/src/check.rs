@@ -32,9 +32,19 @@ impl Range {
 }
 
 /// Outside data that can say everything that is wrong with it.
-pub trait Checked {
+pub trait Validate {
     /// Reports each problem to `check`. Which limits are asked must not depend on the values.
     fn check(&self, check: &mut Check);
+
+    /// Whether nothing is wrong with it; [`Checked`](crate::Checked) remembers that.
+    ///
+    /// # Errors
+    /// Every field that is out of its range or contradicts another.
+    fn validate(&self) -> Result<(), Problems> {
+        let mut check = Check::default();
+        self.check(&mut check);
+        check.finish()
+    }
 }
 
 /// A limit that a check has asked for, with its field path; items of a list as `waypoints[0].x_m`.
@@ -59,15 +69,8 @@ pub struct Check {
 }
 
 impl Check {
-    /// Every problem of `value`.
-    pub(crate) fn all(value: &impl Checked) -> Result<(), Problems> {
-        let mut check = Self::default();
-        value.check(&mut check);
-        check.finish()
-    }
-
     /// The limits that hold for `value` and bodies like it.
-    pub(crate) fn limits(value: &impl Checked) -> Vec<(String, Limit)> {
+    pub(crate) fn limits(value: &impl Validate) -> Vec<(String, Limit)> {
         let mut check = Self { limits: Some(Vec::new()), ..Self::default() };
         value.check(&mut check);
         check.limits.unwrap_or_default()
@@ -100,7 +103,7 @@ impl Check {
     }
 
     /// Checks each item of list `name`.
-    pub(crate) fn items<T: Checked>(&mut self, name: &str, items: &[T]) {
+    pub(crate) fn items<T: Validate>(&mut self, name: &str, items: &[T]) {
         for (index, item) in items.iter().enumerate() {
             self.item(name, index, |check| item.check(check));
         }

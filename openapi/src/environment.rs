@@ -3,12 +3,13 @@
 //! Simulated environments, which have names, stand in [`crate::training`].
 
 use crate::id::PriorId;
-use crate::number::known;
 use crate::prior::Source;
 use crate::robot::{DEFAULT_PRIOR, Method};
 use serde::{Deserialize, Serialize};
-use umwelt_core::identification::estimate::{self, LEVEL};
 use utoipa::ToSchema;
+
+/// Probability mass of every interval.
+pub const LEVEL: f64 = 0.90;
 
 /// Above this chance of luck a record without late packets says little, and the response says so.
 pub const LUCK: f64 = 0.05;
@@ -155,129 +156,10 @@ pub struct Link {
     pub note: Option<String>,
 }
 
-impl Environment {
-    /// What was identified, beginning with `prior`.
-    pub fn new(core: &estimate::Environment, prior: Prior) -> Self {
-        let [forward, lateral, turn, drift] = core.channels.map(Channel::from);
-        Self {
-            method: core.method.into(),
-            level: LEVEL,
-            channels: Channels { forward, lateral, turn, drift },
-            link: core.link.into(),
-            windows_rejected: core.windows_rejected,
-            poses_set_aside: core.poses_set_aside,
-            prior,
-        }
-    }
-}
-
-impl From<estimate::ChannelEstimate> for Channel {
-    fn from(core: estimate::ChannelEstimate) -> Self {
-        Self {
-            used: core.used,
-            mean: known(core.mean),
-            sd: core.sd.and_then(known),
-            mean_interval: core.mean_interval.and_then(interval),
-            predictive_interval: core.predictive_interval.and_then(interval),
-            samples: core.samples,
-            effective_samples: known(core.effective_samples),
-            ln_evidence: known(core.ln_evidence),
-        }
-    }
-}
-
-impl From<estimate::LinkEstimate> for Link {
-    fn from(core: estimate::LinkEstimate) -> Self {
-        Self {
-            samples: core.samples,
-            median_s: core.median.and_then(known),
-            p99_s: core.p99.and_then(known),
-            late: core.late,
-            late_probability: known(core.late_probability),
-            late_interval: interval(core.late_interval),
-            chance_of_luck: known(core.chance_of_luck),
-            note: note(&core),
-        }
-    }
-}
-
-fn interval((low, high): (f64, f64)) -> Option<Interval> {
-    (low.is_finite() && high.is_finite()).then_some(Interval { low, high })
-}
-
-fn note(link: &estimate::LinkEstimate) -> Option<String> {
-    let luck = link.chance_of_luck;
-    if link.late > 0 || luck.is_nan() || luck <= LUCK {
-        return None;
-    }
-    Some(format!(
-        "no late packet in {} deliveries says little yet: a link with 5 % late packets shows none in as many with probability {luck:.2}",
-        link.samples
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::evolution::Optimizer;
-    use umwelt_core::settings;
-
-    fn environment(number: f64, samples: u64, late: u64) -> Environment {
-        let channel = |channel| estimate::ChannelEstimate {
-            channel,
-            used: true,
-            mean: number,
-            sd: Some(number),
-            mean_interval: Some((number, number)),
-            predictive_interval: None,
-            samples,
-            effective_samples: number,
-            ln_evidence: number,
-        };
-        let link = estimate::LinkEstimate {
-            samples,
-            median: Some(number),
-            p99: Some(number),
-            late,
-            late_probability: number,
-            late_interval: (number, number),
-            chance_of_luck: 0.95f64.powf(samples as f64),
-        };
-        let core = estimate::Environment {
-            method: settings::Method::Bayesian,
-            channels: estimate::Channel::ALL.map(channel),
-            link,
-            windows_rejected: 1,
-            poses_set_aside: 2,
-        };
-        Environment::new(&core, Prior::of(None, Source::Inline, Method::Bayesian))
-    }
-
-    #[test]
-    fn what_core_knows_is_told_unchanged() {
-        let wire = environment(0.125, 7, 1);
-        assert_eq!(wire.channels.turn.mean, Some(0.125));
-        assert_eq!(wire.channels.drift.mean_interval, Some(Interval { low: 0.125, high: 0.125 }));
-        assert_eq!(wire.link.late_probability, Some(0.125));
-        assert_eq!((wire.channels.turn.samples, wire.windows_rejected), (7, 1));
-    }
-
-    #[test]
-    fn what_is_no_number_is_null_and_can_be_read_again() {
-        for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            let wire = environment(number, 7, 1);
-            assert_eq!(wire.channels.forward.mean, None);
-            let json = serde_json::to_string(&wire).unwrap();
-            assert_eq!(serde_json::from_str::<Environment>(&json).unwrap(), wire);
-        }
-    }
-
-    #[test]
-    fn luck_is_named_until_it_is_small_or_something_was_late() {
-        assert!(environment(0.1, 12, 0).link.note.is_some_and(|note| note.contains("0.54")));
-        assert_eq!(environment(0.1, 59, 0).link.note, None);
-        assert_eq!(environment(0.1, 12, 1).link.note, None);
-    }
 
     #[test]
     fn why_this_prior_is_said_in_a_sentence() {

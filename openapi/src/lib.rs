@@ -1,21 +1,28 @@
-//! The contract of Umwelt: what goes over the wire, how it is checked, and how it becomes [`umwelt_core`].
+//! The contract of Umwelt: what goes over the wire, how it is checked, and how it becomes `umwelt_core`.
 //!
 //! JSON over HTTP, snake_case with unit suffixes, described by [`document`] (OpenAPI 3.1, checked in as
 //! `openapi/openapi.json`). Each wire type stands in the module of its subject under the subject's noun:
 //! [`step::Request`], [`robot::Spec`].
 //!
-//! * Outside data comes in through `read` (JSON bytes -> checked wire type) and `to_core` (wire type -> core).
-//!   Both report every problem at once as [`Problems`]; there is no other way in.
+//! * Outside data comes in through `read` (JSON bytes -> [`Checked`] wire type), which reports every problem at once as
+//!   [`Problems`]. What is checked becomes core by `to_core`, which cannot fail; there is no other way in.
+//! * The feature `core`, on by default, has these conversions. Without it, as in a client, the types, the checks and the
+//!   document stay, and core is not built.
 //! * What core computes goes out through `From`; what of evolutions, comparisons and simulated environments is for
 //!   `umwelt-lab` to say stands there (`umwelt_lab::wire`). A number that does not exist (NaN, infinite) is `null` where the
 //!   type says `Option`, and an error of serialisation elsewhere: it never leaves silently.
 //! * A reader of responses ignores fields it does not know: the contract only grows.
 //!
-//! Architecture invariant: this crate depends on core only; no HTTP, no clock, no I/O.
+//! Architecture invariant: of this workspace, this crate depends on core only; no HTTP, no clock, no I/O.
 
 pub mod body;
+#[cfg(feature = "core")]
+mod built_in;
 mod check;
+mod checked;
 pub mod comparison;
+#[cfg(feature = "core")]
+mod conversion;
 mod document;
 pub mod environment;
 mod estimate;
@@ -31,7 +38,7 @@ pub mod page;
 pub mod prior;
 pub mod problem;
 pub mod robot;
-#[cfg(test)]
+#[cfg(all(test, feature = "core"))]
 mod round_trip;
 pub mod step;
 pub mod stop;
@@ -41,7 +48,8 @@ pub mod training;
 pub mod visible;
 pub mod watch;
 
-pub use check::{Check, Checked, Range};
+pub use check::{Check, Range, Validate};
+pub use checked::Checked;
 pub use document::document;
 pub use id::{ComparisonId, EnvironmentId, EvolutionId, InvalidId, PriorId, RobotId};
 pub use idempotency::{IdempotencyKey, InvalidKey, MAX_KEY};

@@ -10,8 +10,3 @@ pub(crate) fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok,
         Err(serde::ser::Error::custom(format_args!("{value} cannot be said in JSON")))
     }
 }
-
-/// The number where it is finite; `null` on the wire otherwise.
-pub(crate) fn known(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}

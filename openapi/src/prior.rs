@@ -1,16 +1,17 @@
 //! Named priors: what a robot may be told to believe of the floor before any sample.
 
+#[cfg(feature = "core")]
+pub use crate::built_in::prior as built_in;
+
 use crate::body;
-use crate::check::{Check, Checked};
+use crate::check::{Check, Validate};
+use crate::checked::Checked;
 use crate::evolution::Optimizer;
 use crate::id::{EvolutionId, PriorId, RobotId};
-use crate::named::Known;
 use crate::page::Unreadable;
 use crate::problem::Problems;
 use crate::robot;
 use serde::{Deserialize, Serialize};
-use umwelt_core::identification::BUILT_IN_PRIORS;
-use umwelt_core::settings;
 use utoipa::ToSchema;
 
 /// Largest body of a prior in bytes; a full one has 1 kB.
@@ -27,7 +28,7 @@ pub const MAX_ROBOTS: usize = 100;
 /// ```
 /// use umwelt_api::prior::Spec;
 /// let spec = Spec::read(br#"{"forward": {"mu": -0.1, "k": 5, "r": 8, "s": 0.1}, "note": "the wet hall"}"#)?;
-/// assert_eq!(spec.to_core()?.forward.mu(), -0.1);
+/// assert_eq!(spec.to_core().forward.mu(), -0.1);
 ///
 /// let problems = Spec::read(br#"{"forward": {"mu": -0.1, "k": 0, "r": -8, "s": 0.1}}"#).unwrap_err();
 /// let fields: Vec<_> = problems.details().iter().map(|detail| detail.field.as_str()).collect();
@@ -64,7 +65,7 @@ impl From<robot::Prior> for Spec {
     }
 }
 
-impl Checked for Spec {
+impl Validate for Spec {
     fn check(&self, check: &mut Check) {
         self.values().check(check);
         check.text("note", self.note.as_deref().unwrap_or_default(), 0..=MAX_NOTE);
@@ -76,7 +77,7 @@ impl Spec {
     ///
     /// # Errors
     /// Every problem of it: unknown fields, values out of range.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read_shared(json)
     }
 
@@ -85,27 +86,6 @@ impl Spec {
         let Self { forward, lateral, turn, drift, .. } = *self;
         robot::Prior { forward, lateral, turn, drift }
     }
-
-    /// The prior in core's terms; the note stays behind.
-    ///
-    /// # Errors
-    /// Every field that is out of its range.
-    pub fn to_core(&self) -> Result<settings::Prior, Problems> {
-        let mut check = Check::default();
-        self.check(&mut check);
-        let prior = check.ok("", self.values().convert());
-        check.finish()?;
-        Ok(prior.unwrap_or_default())
-    }
-}
-
-/// The priors that come with every server, by their names: what a name stands for without one.
-///
-/// # Errors
-/// All the names, where nothing goes by this one.
-pub fn built_in(name: &str) -> Known<settings::Prior> {
-    settings::Prior::built_in(name)
-        .ok_or_else(|| BUILT_IN_PRIORS.into_iter().map(str::to_owned).collect())
 }
 
 /// Where a prior comes from.

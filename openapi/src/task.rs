@@ -1,18 +1,21 @@
 //! A task: where to go, and how far it has got.
 
 use crate::body;
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
+use crate::checked::Checked;
 use crate::id::RobotId;
 use crate::number;
 use crate::problem::Problems;
 use crate::watch;
 use serde::{Deserialize, Serialize};
-use umwelt_core::geometry::Point;
-use umwelt_core::task::{self, MAX_WAYPOINTS};
 use utoipa::ToSchema;
 
 /// Largest body of a task in bytes; [`MAX_WAYPOINTS`] with every digit have 66 kB.
 pub const MAX_BODY: usize = 256 * 1024;
+/// Most waypoints of a task.
+pub const MAX_WAYPOINTS: usize = 1000;
+/// Distance from a waypoint in m within which a robot has arrived, where nothing is said.
+pub const DEFAULT_TOLERANCE: f64 = 0.010;
 /// Ten kilometres from the origin f64 still resolves picometres, and no floor is larger.
 pub const COORDINATE: Range = Range::new(-1e4, 1e4, "m");
 /// Below 0.1 mm no pose is known; ten metres away is not there.
@@ -40,7 +43,7 @@ pub struct Waypoint {
     pub y_m: f64,
 }
 
-impl Checked for Waypoint {
+impl Validate for Waypoint {
     fn check(&self, check: &mut Check) {
         check.number("x_m", self.x_m, COORDINATE);
         check.number("y_m", self.y_m, COORDINATE);
@@ -66,11 +69,11 @@ pub struct Calibration {
 
 impl Default for Calibration {
     fn default() -> Self {
-        task::Calibration::default().into()
+        Self { rotations: 10, angular_rad_per_s: 0.8, rotate_s: 0.9, pause_s: 0.3, straight_m: 0.3 }
     }
 }
 
-impl Checked for Calibration {
+impl Validate for Calibration {
     fn check(&self, check: &mut Check) {
         check.integer("rotations", self.rotations.into(), 0..=MAX_ROTATIONS);
         check.number("angular_rad_per_s", self.angular_rad_per_s, ROTATION_SPEED);
@@ -80,24 +83,12 @@ impl Checked for Calibration {
     }
 }
 
-impl From<task::Calibration> for Calibration {
-    fn from(core: task::Calibration) -> Self {
-        Self {
-            rotations: core.rotations,
-            angular_rad_per_s: core.angular,
-            rotate_s: core.rotate,
-            pause_s: core.pause,
-            straight_m: core.straight,
-        }
-    }
-}
-
 /// Where to go: waypoints in order, each a stop.
 ///
 /// ```
 /// use umwelt_api::task::Spec;
 /// let spec = Spec::read(br#"{"waypoints": [{"x_m": 0.2, "y_m": 0.0}], "calibration": {}}"#)?;
-/// assert_eq!(spec.to_core()?.calibration, Some(Default::default()));
+/// assert_eq!(spec.to_core().calibration, Some(Default::default()));
 ///
 /// let far = Spec::read(br#"{"waypoints": [{"x_m": 0.2, "y_m": 1e308}]}"#).unwrap_err();
 /// assert_eq!(far.details()[0].field, "waypoints[0].y_m");
@@ -126,10 +117,10 @@ pub struct Spec {
 }
 
 fn tolerance() -> f64 {
-    task::TOLERANCE
+    DEFAULT_TOLERANCE
 }
 
-impl Checked for Spec {
+impl Validate for Spec {
     fn check(&self, check: &mut Check) {
         check.length("waypoints", self.waypoints.len(), 1..=MAX_WAYPOINTS);
         check.items("waypoints", &self.waypoints);
@@ -148,46 +139,8 @@ impl Spec {
     ///
     /// # Errors
     /// Every problem of it: unknown fields, values out of range.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read_shared(json)
-    }
-
-    /// The task in core's terms.
-    ///
-    /// # Errors
-    /// Every field that is out of its range.
-    pub fn to_core(&self) -> Result<task::Task, Problems> {
-        Check::all(self)?;
-        Ok(self.convert())
-    }
-
-    /// The task in core's terms, whatever its values: what a program keeps was checked when it came.
-    pub fn convert(&self) -> task::Task {
-        task::Task {
-            waypoints: self.waypoints.iter().map(|at| Point::new(at.x_m, at.y_m)).collect(),
-            tolerance: self.tolerance_m,
-            reverse: self.reverse,
-            max_deviation: self.max_deviation_m,
-            calibration: self.calibration.map(|calibration| task::Calibration {
-                rotations: calibration.rotations,
-                angular: calibration.angular_rad_per_s,
-                rotate: calibration.rotate_s,
-                pause: calibration.pause_s,
-                straight: calibration.straight_m,
-            }),
-        }
-    }
-}
-
-impl From<&task::Task> for Spec {
-    fn from(core: &task::Task) -> Self {
-        Self {
-            waypoints: core.waypoints.iter().map(|at| Waypoint { x_m: at.x, y_m: at.y }).collect(),
-            tolerance_m: core.tolerance,
-            reverse: core.reverse,
-            calibration: core.calibration.map(Calibration::from),
-            max_deviation_m: core.max_deviation,
-        }
     }
 }
 
@@ -208,32 +161,6 @@ pub enum Stage {
     Stopping,
     /// At the last waypoint: the task is done.
     Arrived,
-}
-
-impl From<task::Stage> for Stage {
-    fn from(core: task::Stage) -> Self {
-        match core {
-            task::Stage::Idle => Self::Idle,
-            task::Stage::Calibrating => Self::Calibrating,
-            task::Stage::Turning => Self::Turning,
-            task::Stage::Driving => Self::Driving,
-            task::Stage::Stopping => Self::Stopping,
-            task::Stage::Arrived => Self::Arrived,
-        }
-    }
-}
-
-impl From<Stage> for task::Stage {
-    fn from(wire: Stage) -> Self {
-        match wire {
-            Stage::Idle => Self::Idle,
-            Stage::Calibrating => Self::Calibrating,
-            Stage::Turning => Self::Turning,
-            Stage::Driving => Self::Driving,
-            Stage::Stopping => Self::Stopping,
-            Stage::Arrived => Self::Arrived,
-        }
-    }
 }
 
 /// How far a task has got.
@@ -261,36 +188,6 @@ pub struct Progress {
     /// What the watch over commanded and seen motion finds; null where all is well. The robot says more: `robot.watch`.
     #[serde(default)]
     pub watch: Option<watch::State>,
-}
-
-impl From<task::Progress> for Progress {
-    fn from(core: task::Progress) -> Self {
-        Self {
-            stage: core.stage.into(),
-            leg: core.leg,
-            legs: core.legs,
-            deviation_m: core.deviation,
-            max_deviation_m: core.max_deviation,
-            elapsed_s: core.elapsed,
-            limited_by: core.limited_by.map(watch::Limit::from),
-            watch: core.watch.map(watch::State::from),
-        }
-    }
-}
-
-impl From<Progress> for task::Progress {
-    fn from(wire: Progress) -> Self {
-        Self {
-            stage: wire.stage.into(),
-            leg: wire.leg,
-            legs: wire.legs,
-            deviation: wire.deviation_m,
-            max_deviation: wire.max_deviation_m,
-            elapsed: wire.elapsed_s,
-            limited_by: wire.limited_by.and_then(watch::Limit::to_core),
-            watch: wire.watch.and_then(watch::State::to_core),
-        }
-    }
 }
 
 /// The task of a robot and how far it has got.

@@ -9,6 +9,7 @@ use super::progress::{say, wait};
 use crate::client::Client;
 use crate::jobs::fresh_key;
 use clap::Args;
+use umwelt_api::Validate;
 use umwelt_api::comparison::{Request, Scenario};
 use umwelt_api::{IdempotencyKey, PriorId};
 

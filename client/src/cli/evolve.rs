@@ -9,6 +9,7 @@ use super::progress::{say, wait};
 use crate::client::Client;
 use crate::jobs::fresh_key;
 use clap::Args;
+use umwelt_api::Validate;
 use umwelt_api::evolution::{Optimizer, Preset, Request};
 use umwelt_api::{EnvironmentId, IdempotencyKey, PriorId};
 

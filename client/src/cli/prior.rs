@@ -14,6 +14,7 @@ use futures_util::TryStreamExt;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use umwelt_api::Checked;
 use umwelt_api::PriorId;
 use umwelt_api::prior::{Page, Prior, Source, Spec};
 
@@ -84,7 +85,8 @@ impl Command {
 
 fn spec(file: &Path) -> Result<Spec, Failure> {
     let json = input::without(input::read(file)?, &Prior::GIVEN_BY_SERVER);
-    Spec::read(&json).map_err(|problems| Failure::wrong_body(&input::name(file), &problems))
+    let read = Spec::read(&json).map(Checked::into_inner);
+    read.map_err(|problems| Failure::wrong_body(&input::name(file), &problems))
 }
 
 fn origin(source: &Source) -> String {

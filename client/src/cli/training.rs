@@ -13,6 +13,7 @@ use futures_util::TryStreamExt;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use umwelt_api::Checked;
 use umwelt_api::EnvironmentId;
 use umwelt_api::training::{Environment, Fitness, Floor, Link, Page, Rtt, Spec};
 
@@ -80,7 +81,8 @@ impl Command {
 
 fn spec(file: &Path) -> Result<Spec, Failure> {
     let json = input::without(input::read(file)?, &Environment::GIVEN_BY_SERVER);
-    Spec::read(&json).map_err(|problems| Failure::wrong_body(&input::name(file), &problems))
+    let read = Spec::read(&json).map(Checked::into_inner);
+    read.map_err(|problems| Failure::wrong_body(&input::name(file), &problems))
 }
 
 fn floor(floor: &Floor) -> String {
@@ -162,7 +164,7 @@ mod tests {
     use super::*;
 
     fn environment(body: &str) -> Environment {
-        let spec = Spec::read(body.as_bytes()).unwrap();
+        let spec = Spec::read(body.as_bytes()).unwrap().into_inner();
         Environment::new("oily".parse().unwrap(), spec, false, "\"1\"")
     }
 

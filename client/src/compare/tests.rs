@@ -70,7 +70,7 @@ async fn a_submit_that_is_sent_again_has_the_same_key() {
     let seen = seen.lock().unwrap();
     let keys: Vec<_> = seen.iter().map(|(key, _)| key.as_str()).collect();
     assert_eq!((keys[0], keys[2], keys[0].len()), (keys[1], "mine-1", 32));
-    assert_eq!(comparison::Request::read(&seen[0].1).unwrap(), request);
+    assert_eq!(comparison::Request::read(&seen[0].1).unwrap().into_inner(), request);
 }
 
 #[tokio::test]

@@ -10,7 +10,7 @@ use umwelt_api::comparison::{
     Quantities, Recognition, Reductions, Report, Request, Scenario, Spec, Stage, TRIALS,
 };
 use umwelt_api::problem::reason;
-use umwelt_api::{Check, Checked, Known, Problems, body};
+use umwelt_api::{Check, Checked, Known, Problems, Validate, body};
 use umwelt_core::settings::Prior;
 
 /// Reads the body of a POST where the priors are known: the request, and what is to be run. `known` says what a
@@ -21,7 +21,7 @@ use umwelt_core::settings::Prior;
 pub fn read(
     json: &[u8],
     known: impl Fn(&str) -> Known<Prior>,
-) -> Result<(Request, ComparisonSettings), Problems> {
+) -> Result<(Checked<Request>, ComparisonSettings), Problems> {
     body::read_resolved(json, |request, check| resolve(request, known, check))
 }
 

@@ -8,7 +8,7 @@ use umwelt_api::evolution::{
     MAX_EPISODES, Optimizer, Preset, Progress, Request, SUM_TOLERANCE, Spec, Stage,
 };
 use umwelt_api::problem::reason;
-use umwelt_api::{Check, Checked, Known, Problems, body, prior};
+use umwelt_api::{Check, Checked, Known, Problems, Validate, body, prior};
 use umwelt_core::settings::Settings;
 
 /// Reads the body of a POST where the simulated environments are known: the request, and what is to be run.
@@ -19,7 +19,7 @@ use umwelt_core::settings::Settings;
 pub fn read(
     json: &[u8],
     known: impl Fn(&str) -> Known<TrainingEnvironment>,
-) -> Result<(Request, EvolutionSettings), Problems> {
+) -> Result<(Checked<Request>, EvolutionSettings), Problems> {
     body::read_resolved(json, |request, check| resolve(request, known, check))
 }
 

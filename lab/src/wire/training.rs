@@ -2,21 +2,17 @@
 
 use crate::evolution::{self, ENVIRONMENTS, TrainingEnvironment};
 use umwelt_api::training::{Fitness, Spec};
-use umwelt_api::{EnvironmentId, Known, Problems};
+use umwelt_api::{Checked, EnvironmentId, Known};
 
 /// The environment that `spec` puts under this name; the note stays behind.
-///
-/// # Errors
-/// Every problem of it.
-pub fn environment(spec: &Spec, name: &EnvironmentId) -> Result<TrainingEnvironment, Problems> {
-    spec.validate()?;
-    Ok(TrainingEnvironment {
+pub fn environment(spec: &Checked<Spec>, name: &EnvironmentId) -> TrainingEnvironment {
+    TrainingEnvironment {
         name: name.to_string(),
-        slip: spec.slip.to_core()?,
-        link: spec.link.to_core()?,
+        slip: spec.to_slip(),
+        link: spec.to_link(),
         fitness: spec.fitness.into(),
         weight: spec.weight,
-    })
+    }
 }
 
 /// The simulated environments that come with every server, by their names.

@@ -1,7 +1,6 @@
 //! The first thing that keeps a text from being what was asked for, in our words, with its field path.
 
 use super::syntax;
-use super::tree::Node;
 use crate::problem::{Detail, Problems, reason};
 use serde::de::{self, Expected, Unexpected};
 use serde_json::Value;
@@ -50,10 +49,10 @@ impl Fault {
         self
     }
 
-    /// The same, said by a type that reads itself from `node` and does not repeat what it was given.
-    pub(super) fn about(mut self, node: &Node<'_>) -> Self {
+    /// The same, said by a type that reads itself and does not repeat what it was given: what is `shown`.
+    pub(super) fn about(mut self, shown: impl FnOnce() -> Value) -> Self {
         if self.trail.is_empty() && self.value.is_null() {
-            self.value = node.shown();
+            self.value = shown();
         }
         self
     }

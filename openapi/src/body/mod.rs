@@ -11,7 +11,8 @@ mod tests;
 mod tree;
 mod typed;
 
-use crate::check::{Check, Checked};
+use crate::check::{Check, Validate};
+use crate::checked::Checked;
 use crate::problem::{Problems, reason};
 use fault::Fault;
 use serde::Serialize;
@@ -42,19 +43,17 @@ pub fn parse<T: DeserializeOwned>(json: &[u8]) -> Result<T, Problems> {
 /// Reads a type that refuses unknown fields by itself (`deny_unknown_fields`) and checks it.
 ///
 /// For types whose every part is a struct or a plain enum: within tagged enums serde takes lists for objects.
-pub(crate) fn read<T: DeserializeOwned + Checked>(json: &[u8]) -> Result<T, Problems> {
-    let body = parse(json)?;
-    Check::all(&body)?;
-    Ok(body)
+pub(crate) fn read<T: DeserializeOwned + Validate>(json: &[u8]) -> Result<Checked<T>, Problems> {
+    Checked::new(parse(json)?)
 }
 
 /// Reads a type that is part of responses too and so must itself tolerate unknown fields; refuses them here.
 ///
 /// A field is known if the type names it, or has it when it is serialised again: within tagged enums only the latter
 /// can be seen, so types in them leave no field out.
-pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Checked>(
+pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Validate>(
     json: &[u8],
-) -> Result<T, Problems> {
+) -> Result<Checked<T>, Problems> {
     read_resolved(json, |_: &T, _| ()).map(|(body, ())| body)
 }
 
@@ -62,10 +61,10 @@ pub(crate) fn read_shared<T: DeserializeOwned + Serialize + Checked>(
 ///
 /// # Errors
 /// Every problem of the body, with what `resolve` reports.
-pub fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
+pub fn read_resolved<T: DeserializeOwned + Serialize + Validate, R>(
     json: &[u8],
     resolve: impl FnOnce(&T, &mut Check) -> R,
-) -> Result<(T, R), Problems> {
+) -> Result<(Checked<T>, R), Problems> {
     let given = Node::read(json)?;
     let shapes = Shapes::default();
     let body = T::deserialize(Reader::noting(&given, &shapes))?;
@@ -74,8 +73,7 @@ pub fn read_resolved<T: DeserializeOwned + Serialize + Checked, R>(
     same_shape(&mut check, &given, &known, &shapes);
     body.check(&mut check);
     let resolved = resolve(&body, &mut check);
-    check.finish()?;
-    Ok((body, resolved))
+    Ok((Checked::after(check, body)?, resolved))
 }
 
 /// Refuses what was given and is not known, and lists in the place of objects.

@@ -262,7 +262,7 @@ impl<'de> SeqAccess<'de> for Items<'_, 'de> {
         let Some(item) = self.items.get(index) else { return Ok(None) };
         self.next += 1;
         let read = seed.deserialize(Reader { node: item, shapes: self.shapes }).map(Some);
-        read.map_err(|fault| fault.about(item).within(Step::Item(index)))
+        read.map_err(|fault| fault.about(|| item.shown()).within(Step::Item(index)))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -299,7 +299,7 @@ impl<'de> MapAccess<'de> for Fields<'_, 'de> {
         };
         self.next += 1;
         let read = seed.deserialize(Reader { node: value, shapes: self.shapes });
-        read.map_err(|fault| fault.about(value).within(Step::Field(name.to_string())))
+        read.map_err(|fault| fault.about(|| value.shown()).within(Step::Field(name.to_string())))
     }
 
     fn size_hint(&self) -> Option<usize> {

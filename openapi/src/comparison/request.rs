@@ -2,7 +2,8 @@
 
 use super::spec::{self, Scenario};
 use crate::body;
-use crate::check::{Check, Checked};
+use crate::check::{Check, Validate};
+use crate::checked::Checked;
 use crate::problem::{Problems, reason};
 use crate::robot::MAX_INTEGER;
 use serde::{Deserialize, Serialize};
@@ -39,7 +40,7 @@ pub struct Request {
     pub prior: Option<String>,
 }
 
-impl Checked for Request {
+impl Validate for Request {
     /// What is left out is in range. Which methods and priors there are is asked elsewhere: others may know more.
     fn check(&self, check: &mut Check) {
         let methods = self.methods.as_deref();
@@ -70,16 +71,8 @@ impl Request {
     ///
     /// # Errors
     /// Every problem of it: unknown fields, values out of range, methods that stand twice.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read_shared(json)
-    }
-
-    /// Every value that is out of its range.
-    ///
-    /// # Errors
-    /// All of them.
-    pub fn validate(&self) -> Result<(), Problems> {
-        Check::all(self)
     }
 
     /// The name of the prior of the contender `bayesian`, where that is compared.

@@ -1,7 +1,7 @@
 //! Writes the limits into the schemas: those that the checks ask for, recorded from a walk of each check.
 
 use super::route::Schemas;
-use crate::check::{Check, Checked, Limit};
+use crate::check::{Check, Limit, Validate};
 use crate::{comparison, evolution, prior, robot, step, task, training};
 use utoipa::openapi::schema::{ArrayItems, Schema, SchemaType, Type};
 use utoipa::openapi::{Object, RefOr};
@@ -102,7 +102,7 @@ fn write_evolve(schemas: &mut Schemas) {
     write(schemas, &comparison::Request { prior, methods, ..Default::default() });
 }
 
-fn write<T: Checked + ToSchema>(schemas: &mut Schemas, example: &T) {
+fn write<T: Validate + ToSchema>(schemas: &mut Schemas, example: &T) {
     for (path, limit) in Check::limits(example) {
         let steps = path.replace("[0]", ".[]");
         let steps: Vec<_> = steps.split('.').collect();

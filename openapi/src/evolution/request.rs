@@ -2,11 +2,12 @@
 
 use super::spec::{self, Optimizer, Preset};
 use crate::body;
-use crate::check::{Check, Checked};
+use crate::check::{Check, Validate};
+use crate::checked::Checked;
 use crate::problem::{Problems, reason};
 use crate::robot::MAX_INTEGER;
+use crate::robot::MAX_SLOTS;
 use serde::{Deserialize, Serialize};
-use umwelt_core::horizon::MAX_SLOTS;
 use utoipa::ToSchema;
 
 /// What is asked of an evolution. Everything may be left out and then comes from the preset.
@@ -63,7 +64,7 @@ pub struct Request {
     pub prior: Option<String>,
 }
 
-impl Checked for Request {
+impl Validate for Request {
     /// What is left out is in range: it comes from a preset.
     fn check(&self, check: &mut Check) {
         self.check_environments(check);
@@ -100,16 +101,8 @@ impl Request {
     ///
     /// # Errors
     /// Every problem of it: unknown fields, values out of range, names that are none or stand twice.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read_shared(json)
-    }
-
-    /// Every value that is out of its range.
-    ///
-    /// # Errors
-    /// All of them.
-    pub fn validate(&self) -> Result<(), Problems> {
-        Check::all(self)
     }
 
     fn check_environments(&self, check: &mut Check) {

@@ -11,189 +11,19 @@
 //! assert_eq!(Problem::parse(404, &json), problem);
 //! ```
 
+mod detail;
 mod problems;
+pub mod reason;
 mod status;
 
+pub use detail::{Detail, MAX_DETAILS, MAX_ECHO, MAX_REMEDY};
 pub use problems::Problems;
 pub use status::Status;
 
 use crate::visible;
+use detail::shortened;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use utoipa::ToSchema;
-
-/// Most details of one error: a body of 1000 bad waypoints must not answer with half a megabyte.
-/// The message tells how many there were.
-pub const MAX_DETAILS: usize = 100;
-
-/// Longest text in bytes that an error repeats of what was sent.
-pub const MAX_ECHO: usize = 200;
-
-/// Longest remedy in bytes: it may name every field of a drive, and may hold words of a parser that repeat a text.
-pub const MAX_REMEDY: usize = 500;
-
-/// The reasons that this version gives; clients must expect others.
-pub mod reason {
-    /// A number is NaN or infinite.
-    pub const NOT_FINITE: &str = "NOT_FINITE";
-    /// A number lies outside its range.
-    pub const OUT_OF_RANGE: &str = "OUT_OF_RANGE";
-    /// A list or text is too long or too short.
-    pub const WRONG_LENGTH: &str = "WRONG_LENGTH";
-    /// A field contradicts another.
-    pub const INCONSISTENT: &str = "INCONSISTENT";
-    /// A field that nobody knows.
-    pub const UNKNOWN_FIELD: &str = "UNKNOWN_FIELD";
-    /// Not JSON, a missing field, or a value of another type.
-    pub const MALFORMED: &str = "MALFORMED";
-    /// An id that is none.
-    pub const INVALID_ID: &str = "INVALID_ID";
-    /// Nothing goes by this name.
-    pub const NO_SUCH_RESOURCE: &str = "NO_SUCH_RESOURCE";
-    /// An epoch that another one has taken over from.
-    pub const EPOCH_SUPERSEDED: &str = "EPOCH_SUPERSEDED";
-    /// The resource is not what `If-Match` says.
-    pub const ETAG_MISMATCH: &str = "ETAG_MISMATCH";
-    /// There is something already where `If-None-Match: *` wants nothing.
-    pub const ALREADY_THERE: &str = "ALREADY_THERE";
-    /// The body is compressed or encoded in another way.
-    pub const UNSUPPORTED_ENCODING: &str = "UNSUPPORTED_ENCODING";
-    /// A character that moves the cursor, hides text or turns its direction.
-    pub const HIDDEN_CHARACTER: &str = "HIDDEN_CHARACTER";
-    /// The body is larger than allowed.
-    pub const BODY_TOO_LARGE: &str = "BODY_TOO_LARGE";
-    /// The robot is stopping with the server.
-    pub const DRAINING: &str = "DRAINING";
-    /// The robot's clock ran backwards within an epoch.
-    pub const CLOCK_WENT_BACK: &str = "CLOCK_WENT_BACK";
-    /// More is waiting than can be done in time: requests of a robot, evolutions or comparisons of the server.
-    pub const QUEUE_FULL: &str = "QUEUE_FULL";
-    /// A limit of the server is reached.
-    pub const LIMIT_REACHED: &str = "LIMIT_REACHED";
-    /// The path exists, the method does not.
-    pub const METHOD_NOT_ALLOWED: &str = "METHOD_NOT_ALLOWED";
-    /// The body is in another format.
-    pub const UNSUPPORTED_MEDIA_TYPE: &str = "UNSUPPORTED_MEDIA_TYPE";
-    /// The body did not arrive in time.
-    pub const BODY_TIMEOUT: &str = "BODY_TIMEOUT";
-    /// The store did not keep it.
-    pub const STORE_FAILED: &str = "STORE_FAILED";
-    /// It is kept and cannot be read: a newer version of the server wrote it.
-    pub const UNREADABLE: &str = "UNREADABLE";
-    /// The part of the server that drove the robot failed.
-    pub const TASK_DIED: &str = "TASK_DIED";
-    /// The computation of the robot does not end.
-    pub const ROBOT_FAILED: &str = "ROBOT_FAILED";
-    /// A stop came after this resume.
-    pub const OVERTAKEN: &str = "OVERTAKEN";
-    /// A robot that could not be told.
-    pub const NOT_TOLD: &str = "NOT_TOLD";
-    /// Robots use this prior: `value` is the id of one of them.
-    pub const PRIOR_IN_USE: &str = "PRIOR_IN_USE";
-    /// It comes with the server and can be neither replaced nor removed.
-    pub const BUILT_IN: &str = "BUILT_IN";
-    /// No prior goes by this name.
-    pub const UNKNOWN_PRIOR: &str = "UNKNOWN_PRIOR";
-    /// No simulated environment goes by this name.
-    pub const UNKNOWN_ENVIRONMENT: &str = "UNKNOWN_ENVIRONMENT";
-    /// No method, or none with so many slots, goes by this name.
-    pub const UNKNOWN_METHOD: &str = "UNKNOWN_METHOD";
-    /// No preset of a floor or a link goes by this name.
-    pub const UNKNOWN_PRESET: &str = "UNKNOWN_PRESET";
-    /// Something stands twice in a list.
-    pub const REPEATED: &str = "REPEATED";
-    /// This key came with another body before.
-    pub const IDEMPOTENCY_KEY_REUSED: &str = "IDEMPOTENCY_KEY_REUSED";
-    /// Something goes by this name already, or will.
-    pub const NAME_TAKEN: &str = "NAME_TAKEN";
-    /// It is still waiting or going on; cancel it first.
-    pub const NOT_ENDED: &str = "NOT_ENDED";
-    /// It has ended already.
-    pub const ENDED: &str = "ENDED";
-    /// There is nothing to show yet.
-    pub const NOTHING_YET: &str = "NOTHING_YET";
-    /// A web page of another origin asks.
-    pub const FOREIGN_ORIGIN: &str = "FOREIGN_ORIGIN";
-    /// The request names a host that this server is not known by.
-    pub const FOREIGN_HOST: &str = "FOREIGN_HOST";
-    /// A form of any web page could have sent it.
-    pub const FORM_REQUEST: &str = "FORM_REQUEST";
-    /// The request carries no token.
-    pub const TOKEN_MISSING: &str = "TOKEN_MISSING";
-    /// The token is not that of this server.
-    pub const TOKEN_WRONG: &str = "TOKEN_WRONG";
-}
-
-/// One thing that is wrong.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = problem::Detail)]
-pub struct Detail {
-    /// Why, for programs: `OUT_OF_RANGE`, `UNKNOWN_FIELD`, ...; expect others.
-    pub reason: String,
-    /// Path of the field, as `waypoints[3].x_m`; empty where the whole is meant.
-    #[serde(default)]
-    pub field: String,
-    /// What the field held, shortened; null where it held nothing, a list or an object.
-    #[serde(default)]
-    pub value: Value,
-    /// What to do about it, for people.
-    #[serde(default)]
-    pub remedy: String,
-}
-
-impl Detail {
-    /// What is wrong with `field`; long texts are cut to [`MAX_ECHO`].
-    pub fn new(
-        reason: impl Into<String>,
-        field: impl Into<String>,
-        value: impl Into<Value>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        let value = match value.into() {
-            Value::String(text) => Value::String(shortened(text, MAX_ECHO)),
-            Value::Array(_) | Value::Object(_) => Value::Null,
-            scalar => scalar,
-        };
-        let field = shortened(field.into(), MAX_ECHO);
-        let remedy = shortened(remedy.into(), MAX_REMEDY);
-        Self { reason: reason.into(), field, value, remedy }
-    }
-}
-
-impl std::fmt::Display for Detail {
-    /// The field, what it held where that is repeated, and what to do.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { field, value, remedy, .. } = self;
-        match (field.is_empty(), value.is_null()) {
-            (true, _) => write!(f, "{remedy}"),
-            (false, true) => write!(f, "{field}: {remedy}"),
-            (false, false) => write!(f, "{field} is {value}: {remedy}"),
-        }
-    }
-}
-
-impl Detail {
-    /// The same with every hidden character of its texts escaped.
-    fn visible(self) -> Self {
-        let shown = |text: String| visible::line(&text).into_owned();
-        let value = match self.value {
-            Value::String(text) => Value::String(shown(text)),
-            // Whoever sends lists and objects for a value does not keep the contract.
-            Value::Array(_) | Value::Object(_) => Value::Null,
-            scalar => scalar,
-        };
-        let (reason, field, remedy) = (shown(self.reason), shown(self.field), shown(self.remedy));
-        Self { reason, field, value, remedy }
-    }
-}
-
-fn shortened(mut text: String, longest: usize) -> String {
-    if text.len() > longest {
-        text.truncate(text.floor_char_boundary(longest));
-        text.push_str("...");
-    }
-    text
-}
 
 /// What went wrong, as the server says it and the client hears it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

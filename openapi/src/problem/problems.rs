@@ -1,6 +1,7 @@
 //! Everything that is wrong with one request.
 
-use super::{Detail, MAX_DETAILS, reason};
+use super::detail::{Detail, MAX_DETAILS};
+use super::reason;
 
 /// Reasons of a request that the schemas allow: it is at odds with itself, with names that nobody goes by now or that
 /// others have, and so is no bad request but a conflict.

@@ -1,8 +1,7 @@
 //! The choices of a robot's controller: method, attribution, predictor.
 
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
 use serde::{Deserialize, Serialize};
-use umwelt_core::settings;
 use utoipa::ToSchema;
 
 /// Most agents: their steps must fit into a control cycle.
@@ -27,28 +26,6 @@ pub enum Method {
     Bayesian,
 }
 
-impl From<settings::Method> for Method {
-    fn from(core: settings::Method) -> Self {
-        match core {
-            settings::Method::FixedNormal => Self::FixedNormal,
-            settings::Method::FixedBad => Self::FixedBad,
-            settings::Method::Statistic => Self::Statistic,
-            settings::Method::Bayesian => Self::Bayesian,
-        }
-    }
-}
-
-impl From<Method> for settings::Method {
-    fn from(wire: Method) -> Self {
-        match wire {
-            Method::FixedNormal => Self::FixedNormal,
-            Method::FixedBad => Self::FixedBad,
-            Method::Statistic => Self::Statistic,
-            Method::Bayesian => Self::Bayesian,
-        }
-    }
-}
-
 /// What an observed motion is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -58,24 +35,6 @@ pub enum Attribution {
     Sent,
     /// The commands as the robot reports to have played them: link trouble and floor trouble come apart.
     Played,
-}
-
-impl From<settings::Attribution> for Attribution {
-    fn from(core: settings::Attribution) -> Self {
-        match core {
-            settings::Attribution::Sent => Self::Sent,
-            settings::Attribution::Played => Self::Played,
-        }
-    }
-}
-
-impl From<Attribution> for settings::Attribution {
-    fn from(wire: Attribution) -> Self {
-        match wire {
-            Attribution::Sent => Self::Sent,
-            Attribution::Played => Self::Played,
-        }
-    }
 }
 
 /// How the pose at the time of a command is predicted.
@@ -96,35 +55,12 @@ pub enum Predictor {
     },
 }
 
-impl Checked for Predictor {
+impl Validate for Predictor {
     fn check(&self, check: &mut Check) {
         if let Self::MonteCarlo { agents, cell_m, seed } = self {
             check.integer("agents", *agents as u64, 1..=MAX_AGENTS);
             check.number("cell_m", *cell_m, CELL);
             check.integer("seed", *seed, 0..=MAX_INTEGER);
-        }
-    }
-}
-
-impl From<settings::PredictorKind> for Predictor {
-    fn from(core: settings::PredictorKind) -> Self {
-        match core {
-            settings::PredictorKind::Moments => Self::Moments,
-            settings::PredictorKind::MonteCarlo { agents, cell, seed } => {
-                Self::MonteCarlo { agents, cell_m: cell, seed }
-            }
-        }
-    }
-}
-
-impl Predictor {
-    /// The predictor in core's terms, unchecked.
-    pub(super) fn convert(self) -> settings::PredictorKind {
-        match self {
-            Self::Moments => settings::PredictorKind::Moments,
-            Self::MonteCarlo { agents, cell_m, seed } => {
-                settings::PredictorKind::MonteCarlo { agents, cell: cell_m, seed }
-            }
         }
     }
 }

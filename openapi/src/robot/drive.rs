@@ -1,9 +1,7 @@
 //! The drive of a robot, and how well it is seen.
 
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
 use serde::{Deserialize, Serialize};
-use umwelt_core::kinematics;
-use umwelt_core::settings::PoseNoise;
 use utoipa::ToSchema;
 
 /// From the wheels of a toy to those of a tractor.
@@ -58,11 +56,23 @@ pub struct Drive {
 
 impl Default for Drive {
     fn default() -> Self {
-        kinematics::Drive::default().into()
+        Self {
+            wheel_radius_m: 0.03,
+            track_width_m: 0.10,
+            max_wheel_speed_rad_per_s: 8.0,
+            max_linear_m_per_s: 0.130,
+            min_linear_m_per_s: 0.023,
+            max_angular_rad_per_s: 1.25,
+            min_angular_rad_per_s: 0.20,
+            max_linear_acceleration_m_per_s2: 0.3,
+            max_angular_acceleration_rad_per_s2: 3.0,
+            lag_s: 0.0,
+            dead_time_s: 0.0,
+        }
     }
 }
 
-impl Checked for Drive {
+impl Validate for Drive {
     fn check(&self, check: &mut Check) {
         check.number("wheel_radius_m", self.wheel_radius_m, WHEEL_RADIUS);
         check.number("track_width_m", self.track_width_m, TRACK_WIDTH);
@@ -106,45 +116,8 @@ impl Checked for Drive {
     }
 }
 
-impl From<kinematics::Drive> for Drive {
-    fn from(core: kinematics::Drive) -> Self {
-        Self {
-            wheel_radius_m: core.wheel_radius,
-            track_width_m: core.track_width,
-            max_wheel_speed_rad_per_s: core.max_wheel_speed,
-            max_linear_m_per_s: core.max_linear,
-            min_linear_m_per_s: core.min_linear,
-            max_angular_rad_per_s: core.max_angular,
-            min_angular_rad_per_s: core.min_angular,
-            max_linear_acceleration_m_per_s2: core.max_linear_acceleration,
-            max_angular_acceleration_rad_per_s2: core.max_angular_acceleration,
-            lag_s: core.lag,
-            dead_time_s: core.dead_time,
-        }
-    }
-}
-
-impl Drive {
-    /// The drive in core's terms, whatever its values: what a program keeps was checked when it came.
-    pub fn convert(self) -> kinematics::Drive {
-        kinematics::Drive {
-            wheel_radius: self.wheel_radius_m,
-            track_width: self.track_width_m,
-            max_wheel_speed: self.max_wheel_speed_rad_per_s,
-            max_linear: self.max_linear_m_per_s,
-            min_linear: self.min_linear_m_per_s,
-            max_angular: self.max_angular_rad_per_s,
-            min_angular: self.min_angular_rad_per_s,
-            max_linear_acceleration: self.max_linear_acceleration_m_per_s2,
-            max_angular_acceleration: self.max_angular_acceleration_rad_per_s2,
-            lag: self.lag_s,
-            dead_time: self.dead_time_s,
-        }
-    }
-}
-
 /// Known standard deviations of one observed pose; none by default.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
 #[schema(as = robot::Noise)]
 pub struct Noise {
@@ -154,28 +127,9 @@ pub struct Noise {
     pub heading_rad: f64,
 }
 
-impl Default for Noise {
-    fn default() -> Self {
-        PoseNoise::default().into()
-    }
-}
-
-impl Checked for Noise {
+impl Validate for Noise {
     fn check(&self, check: &mut Check) {
         check.number("position_m", self.position_m, POSITION_NOISE);
         check.number("heading_rad", self.heading_rad, HEADING_NOISE);
-    }
-}
-
-impl From<PoseNoise> for Noise {
-    fn from(core: PoseNoise) -> Self {
-        Self { position_m: core.position, heading_rad: core.heading }
-    }
-}
-
-impl Noise {
-    /// The noise in core's terms, whatever its values: what a program keeps was checked when it came.
-    pub fn convert(self) -> PoseNoise {
-        PoseNoise { position: self.position_m, heading: self.heading_rad }
     }
 }

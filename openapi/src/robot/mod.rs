@@ -13,11 +13,12 @@ pub use drive::{
 };
 pub use prior::{ChannelPrior, DEFAULT_PRIOR, MU, Prior, PriorChoice, SUM_OF_SQUARES, WEIGHT};
 pub use spec::{
-    ALPHA, HEADING_VARIANCE, LOOP_DELAY, MIN_WATCHDOG, POSITION_VARIANCE, STOP_RADIUS, Spec,
-    Steering, TURN, VarianceLimits, WATCHDOG,
+    ALPHA, HEADING_VARIANCE, LOOP_DELAY, MAX_SLOTS, MIN_WATCHDOG, POSITION_VARIANCE, STOP_RADIUS,
+    Spec, Steering, TURN, VarianceLimits, WATCHDOG,
 };
 
-use crate::check::{Check, Checked};
+use crate::check::{Check, Validate};
+use crate::checked::Checked;
 use crate::id::RobotId;
 use crate::number;
 use crate::page::Unreadable;
@@ -26,7 +27,6 @@ use crate::problem::Problems;
 use crate::task;
 use crate::watch::Watch;
 use serde::{Deserialize, Serialize};
-use umwelt_core::exchange;
 use utoipa::ToSchema;
 
 /// Largest body of a description in bytes; a full one has 2 kB.
@@ -103,17 +103,6 @@ pub struct Pose {
     pub taken_s: f64,
 }
 
-impl From<exchange::Observation> for Pose {
-    fn from(core: exchange::Observation) -> Self {
-        Self {
-            x_m: core.pose.x,
-            y_m: core.pose.y,
-            heading_rad: core.pose.heading.radians(),
-            taken_s: core.taken,
-        }
-    }
-}
-
 /// Some of the robots, in the order of their ids.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = robot::Page)]
@@ -142,7 +131,7 @@ pub struct PageQuery {
     pub state: Option<State>,
 }
 
-impl Checked for PageQuery {
+impl Validate for PageQuery {
     fn check(&self, check: &mut Check) {
         limits(check, self.page_size, self.page_token.as_deref(), MAX_PAGE_SIZE);
     }
@@ -153,8 +142,7 @@ impl PageQuery {
     ///
     /// # Errors
     /// Every parameter that is not.
-    pub fn checked(self) -> Result<Self, Problems> {
-        Check::all(&self)?;
-        Ok(self)
+    pub fn checked(self) -> Result<Checked<Self>, Problems> {
+        Checked::new(self)
     }
 }

@@ -1,11 +1,9 @@
 //! What is believed about the floor before any sample.
 
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
 use crate::id::PriorId;
 use crate::named::NameOr;
 use serde::{Deserialize, Deserializer, Serialize};
-use umwelt_core::conjugate::{ConjugateError, NormalInverseChiSquared};
-use umwelt_core::settings;
 use utoipa::ToSchema;
 
 /// An error of ten times the commanded motion is no error ratio any more.
@@ -29,24 +27,12 @@ pub struct ChannelPrior {
     pub s: f64,
 }
 
-impl Checked for ChannelPrior {
+impl Validate for ChannelPrior {
     fn check(&self, check: &mut Check) {
         check.number("mu", self.mu, MU);
         check.number("k", self.k, WEIGHT);
         check.number("r", self.r, WEIGHT);
         check.number("s", self.s, SUM_OF_SQUARES);
-    }
-}
-
-impl From<NormalInverseChiSquared> for ChannelPrior {
-    fn from(core: NormalInverseChiSquared) -> Self {
-        Self { mu: core.mu(), k: core.k(), r: core.r(), s: core.s() }
-    }
-}
-
-impl ChannelPrior {
-    fn convert(self) -> Result<NormalInverseChiSquared, ConjugateError> {
-        NormalInverseChiSquared::new(self.mu, self.k, self.r, self.s)
     }
 }
 
@@ -66,43 +52,20 @@ pub struct Prior {
 }
 
 impl Default for Prior {
+    /// A ratio of standard deviation 0.15 over 100 ms, of lateral slip and drift a third of it, four degrees of freedom
+    /// so that its variance exists, and a mean that one sample can move half way.
     fn default() -> Self {
-        settings::Prior::default().into()
+        let weak = |sd: f64| ChannelPrior { mu: 0.0, k: 1.0, r: 4.0, s: sd * sd * 2.0 };
+        Self { forward: weak(0.15), lateral: weak(0.05), turn: weak(0.15), drift: weak(0.05) }
     }
 }
 
-impl Checked for Prior {
+impl Validate for Prior {
     fn check(&self, check: &mut Check) {
         check.field("forward", |check| self.forward.check(check));
         check.field("lateral", |check| self.lateral.check(check));
         check.field("turn", |check| self.turn.check(check));
         check.field("drift", |check| self.drift.check(check));
-    }
-}
-
-impl From<settings::Prior> for Prior {
-    fn from(core: settings::Prior) -> Self {
-        Self {
-            forward: core.forward.into(),
-            lateral: core.lateral.into(),
-            turn: core.turn.into(),
-            drift: core.drift.into(),
-        }
-    }
-}
-
-impl Prior {
-    /// The prior in core's terms, whatever its ranges: what a program keeps was checked when it came.
-    ///
-    /// # Errors
-    /// Where a channel is no distribution at all.
-    pub fn convert(self) -> Result<settings::Prior, ConjugateError> {
-        Ok(settings::Prior {
-            forward: self.forward.convert()?,
-            lateral: self.lateral.convert()?,
-            turn: self.turn.convert()?,
-            drift: self.drift.convert()?,
-        })
     }
 }
 

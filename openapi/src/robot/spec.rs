@@ -1,19 +1,19 @@
 //! What is said about a robot once.
 
-use super::{Attribution, DEFAULT_PRIOR, Drive, Method, Noise, Predictor, PriorChoice};
+use super::{Attribution, Drive, Method, Noise, Predictor, PriorChoice};
 use crate::body;
-use crate::check::{Check, Checked, Range};
-use crate::named::Known;
-use crate::problem::{Problems, reason};
+use crate::check::{Check, Range, Validate};
+use crate::checked::Checked;
+use crate::problem::Problems;
 use serde::{Deserialize, Serialize};
-use umwelt_core::horizon::{MAX_SLOTS, SLOT};
-use umwelt_core::settings::{self, Settings};
 use utoipa::ToSchema;
 
+/// Most slots of one horizon: 2 s of 30 ms, beyond which no prediction is worth playing.
+pub const MAX_SLOTS: usize = 67;
 /// As long as the longest horizon; a robot farther away than that cannot be controlled.
 pub const LOOP_DELAY: Range = Range::new(0.0, 2.0, "s");
 /// Longest watchdog that may be described. No robot holds for longer than 1 s
-/// ([`MAX_WATCHDOG`](umwelt_core::horizon::MAX_WATCHDOG)); more was allowed once, and means as much.
+/// (`umwelt_core::horizon::MAX_WATCHDOG`); more was allowed once, and means as much.
 pub const WATCHDOG: Range = Range::new(0.0, 5.0, "s");
 /// Shortest watchdog other than 0: below it the jitter of a good link stops the robot.
 pub const MIN_WATCHDOG: f64 = 0.05;
@@ -41,20 +41,14 @@ pub struct VarianceLimits {
 
 impl Default for VarianceLimits {
     fn default() -> Self {
-        settings::VarianceLimits::default().into()
+        Self { position_m2: 1e-4, heading_rad2: 0.10 }
     }
 }
 
-impl Checked for VarianceLimits {
+impl Validate for VarianceLimits {
     fn check(&self, check: &mut Check) {
         check.number("position_m2", self.position_m2, POSITION_VARIANCE);
         check.number("heading_rad2", self.heading_rad2, HEADING_VARIANCE);
-    }
-}
-
-impl From<settings::VarianceLimits> for VarianceLimits {
-    fn from(core: settings::VarianceLimits) -> Self {
-        Self { position_m2: core.position, heading_rad2: core.heading }
     }
 }
 
@@ -75,11 +69,16 @@ pub struct Steering {
 
 impl Default for Steering {
     fn default() -> Self {
-        settings::SteeringSettings::default().into()
+        Self {
+            alpha_m_per_s: 0.2,
+            stop_radius_m: 0.002,
+            turn_tolerance_rad: 0.10,
+            turn_beyond_rad: 0.6,
+        }
     }
 }
 
-impl Checked for Steering {
+impl Validate for Steering {
     fn check(&self, check: &mut Check) {
         check.number("alpha_m_per_s", self.alpha_m_per_s, ALPHA);
         check.number("stop_radius_m", self.stop_radius_m, STOP_RADIUS);
@@ -91,17 +90,6 @@ impl Checked for Steering {
             self.turn_beyond_rad,
             "use more than turn_tolerance_rad",
         );
-    }
-}
-
-impl From<settings::SteeringSettings> for Steering {
-    fn from(core: settings::SteeringSettings) -> Self {
-        Self {
-            alpha_m_per_s: core.alpha,
-            stop_radius_m: core.stop_radius,
-            turn_tolerance_rad: core.turn_tolerance,
-            turn_beyond_rad: core.turn_beyond,
-        }
     }
 }
 
@@ -150,11 +138,24 @@ pub struct Spec {
 
 impl Default for Spec {
     fn default() -> Self {
-        Self::from_core(&Settings::default(), Some(DEFAULT_PRIOR))
+        Self {
+            drive: Drive::default(),
+            noise: Noise::default(),
+            method: Method::Bayesian,
+            attribution: Attribution::Sent,
+            drift: false,
+            horizon_slots: 20,
+            loop_delay_s: 0.23,
+            watchdog_s: 0.3,
+            predictor: Predictor::Moments,
+            variance: VarianceLimits::default(),
+            steering: Steering::default(),
+            prior: PriorChoice::default(),
+        }
     }
 }
 
-impl Checked for Spec {
+impl Validate for Spec {
     fn check(&self, check: &mut Check) {
         check.field("drive", |check| self.drive.check(check));
         check.field("noise", |check| self.noise.check(check));
@@ -179,111 +180,7 @@ impl Spec {
     ///
     /// # Errors
     /// Every problem of it: unknown fields, values out of range, fields that contradict each other.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read_shared(json)
-    }
-
-    /// Reads the body of a PUT where the priors are known: what was said, and the settings that it means.
-    ///
-    /// # Errors
-    /// Every problem as [`Spec::read`] and [`Spec::to_core`] have it, all at once.
-    pub fn read_known(
-        json: &[u8],
-        known: impl Fn(&str) -> Known<settings::Prior>,
-    ) -> Result<(Self, Settings), Problems> {
-        let (spec, prior) =
-            body::read_resolved(json, |spec: &Self, check| spec.resolve_prior(known, check))?;
-        let settings = spec.convert(prior);
-        Ok((spec, settings))
-    }
-
-    /// Every field that is out of its range or contradicts another; whether the prior is known is not asked.
-    ///
-    /// # Errors
-    /// All of them.
-    pub fn validate(&self) -> Result<(), Problems> {
-        Check::all(self)
-    }
-
-    /// The settings of the controller, where `known` says what prior a name stands for. Slots are 30 ms long.
-    ///
-    /// # Errors
-    /// Every field that is out of its range or contradicts another, and a prior that nobody knows.
-    pub fn to_core(
-        &self,
-        known: impl Fn(&str) -> Known<settings::Prior>,
-    ) -> Result<Settings, Problems> {
-        let mut check = Check::default();
-        self.check(&mut check);
-        let prior = self.resolve_prior(known, &mut check);
-        check.finish()?;
-        Ok(self.convert(prior))
-    }
-
-    /// The prior that is meant; anything where it is wrong, which `check` then knows.
-    fn resolve_prior(
-        &self,
-        known: impl Fn(&str) -> Known<settings::Prior>,
-        check: &mut Check,
-    ) -> settings::Prior {
-        let found = match &self.prior {
-            PriorChoice::Inline(prior) => check.ok("prior", prior.convert()),
-            PriorChoice::Named(name) => check.known("prior", name, reason::UNKNOWN_PRIOR, known),
-        };
-        found.unwrap_or_default()
-    }
-
-    /// The settings that this means, beginning with `prior`, whatever its values: what a program keeps was checked when
-    /// it came.
-    pub fn convert(&self, prior: settings::Prior) -> Settings {
-        Settings {
-            drive: self.drive.convert(),
-            noise: self.noise.convert(),
-            method: self.method.into(),
-            prior,
-            attribution: self.attribution.into(),
-            drift: self.drift,
-            slots: self.horizon_slots,
-            slot: SLOT,
-            loop_delay: self.loop_delay_s,
-            watchdog: self.watchdog_s,
-            predictor: self.predictor.convert(),
-            variance: settings::VarianceLimits {
-                position: self.variance.position_m2,
-                heading: self.variance.heading_rad2,
-            },
-            steering: settings::SteeringSettings {
-                alpha: self.steering.alpha_m_per_s,
-                stop_radius: self.steering.stop_radius_m,
-                turn_tolerance: self.steering.turn_tolerance_rad,
-                turn_beyond: self.steering.turn_beyond_rad,
-            },
-        }
-    }
-
-    /// What one would say to have a robot of these settings whose prior goes by this name, if it has one.
-    pub fn from_core(core: &Settings, prior: Option<&str>) -> Self {
-        let spec = Self::from(core);
-        Self { prior: prior.map_or(spec.prior, |it| PriorChoice::Named(it.to_owned())), ..spec }
-    }
-}
-
-impl From<&Settings> for Spec {
-    /// With the prior itself, not its name.
-    fn from(core: &Settings) -> Self {
-        Self {
-            drive: core.drive.into(),
-            noise: core.noise.into(),
-            method: core.method.into(),
-            attribution: core.attribution.into(),
-            drift: core.drift,
-            horizon_slots: core.slots,
-            loop_delay_s: core.loop_delay,
-            watchdog_s: core.watchdog,
-            predictor: core.predictor.into(),
-            variance: core.variance.into(),
-            steering: core.steering.into(),
-            prior: PriorChoice::Inline(core.prior.into()),
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::strategies::prior;
 use super::{pairs, problems};
+use crate::checked::Checked;
 use crate::problem::reason;
 use crate::{prior, robot, training};
 use proptest::prelude::*;
@@ -14,8 +15,8 @@ proptest! {
     fn a_prior_survives_the_wire(core in prior(), note in prop::option::of("[ -~ä]{0,99}")) {
         let spec = prior::Spec { note: note.clone(), ..robot::Prior::from(core).into() };
         let read = prior::Spec::read(&serde_json::to_vec(&spec).unwrap()).unwrap();
-        prop_assert_eq!((read.to_core(), &read.note), (Ok(core), &note));
-        let shown = prior::Prior::new("a".parse().unwrap(), read, prior::Source::Put, "1");
+        prop_assert_eq!((read.to_core(), &read.note), (core, &note));
+        let shown = prior::Prior::new("a".parse().unwrap(), read.into_inner(), prior::Source::Put, "1");
         let json = serde_json::to_string(&shown).unwrap();
         let shown: prior::Prior = serde_json::from_str(&json).unwrap();
         prop_assert_eq!(shown.to_spec(), spec);
@@ -26,7 +27,8 @@ proptest! {
 fn what_is_built_in_can_be_put_under_another_name() {
     for name in BUILT_IN_PRIORS {
         let spec = prior::Spec::from(robot::Prior::from(Prior::built_in(name).unwrap()));
-        assert_eq!(spec.to_core().ok(), Prior::built_in(name), "{name}");
+        let checked = Checked::new(spec).unwrap();
+        assert_eq!(Some(checked.to_core()), Prior::built_in(name), "{name}");
         assert_eq!(prior::built_in(name).ok(), Prior::built_in(name));
     }
     assert_eq!(prior::built_in("best").unwrap_err(), BUILT_IN_PRIORS);
@@ -40,7 +42,7 @@ fn a_robot_names_its_prior_or_has_its_own() {
     };
     let (spec, settings) = read(json!("flat")).unwrap();
     assert_eq!((spec.prior.name(), settings.prior), (Some("flat"), Prior::flat()));
-    assert_eq!(robot::Spec::from_core(&settings, Some("flat")), spec);
+    assert_eq!(robot::Spec::from_core(&settings, Some("flat")), *spec);
     let (spec, settings) = read(json!({"turn": {"mu": 0.1, "k": 1, "r": 4, "s": 0.1}})).unwrap();
     assert_eq!((spec.prior.name(), settings.prior.turn.mu()), (None, 0.1));
     assert_eq!(settings.prior.forward, Prior::default().forward);

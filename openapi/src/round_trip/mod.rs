@@ -4,6 +4,7 @@ mod belief;
 mod job;
 mod strategies;
 
+use crate::checked::Checked;
 use crate::problem::reason;
 use crate::{prior, robot, step, task};
 use proptest::prelude::*;
@@ -29,7 +30,7 @@ proptest! {
     #[test]
     fn a_task_survives_the_wire(core in task()) {
         let json = serde_json::to_vec(&task::Spec::from(&core)).unwrap();
-        prop_assert_eq!(task::Spec::read(&json).and_then(|spec| spec.to_core()), Ok(core));
+        prop_assert_eq!(task::Spec::read(&json).map(|spec| spec.to_core()), Ok(core));
     }
 
     #[test]
@@ -37,7 +38,7 @@ proptest! {
         let json = serde_json::to_vec(&step::Request::from_core(&core, epoch)).unwrap();
         let wire = step::Request::read(&json).unwrap();
         prop_assert_eq!(wire.epoch, epoch);
-        prop_assert_eq!(wire.to_core(), Ok(core));
+        prop_assert_eq!(wire.to_core(), core);
     }
 
     #[test]
@@ -71,7 +72,7 @@ proptest! {
         let path = &paths[which.index(paths.len())];
         *body.pointer_mut(path).unwrap() = bad;
         if let Ok(wire) = step::Request::read(body.to_string().as_bytes()) {
-            let core = wire.to_core().unwrap();
+            let core = wire.to_core();
             prop_assert!(core.sequence <= MAX && core.sent.abs() <= 1e9);
             prop_assert!(core.observations.iter().all(|o| o.pose.x.abs() <= 1e4 && o.taken <= core.sent));
             prop_assert!(core.deliveries.iter().all(|d| (0.0..=86_400.0).contains(&d.loop_delay)));
@@ -110,7 +111,7 @@ fn the_defaults_are_cores_and_pass() {
         Ok(Settings::default())
     );
     let thesis = core_task::Task::thesis();
-    assert_eq!(task::Spec::from(&thesis).to_core(), Ok(thesis));
+    assert_eq!(Checked::new(task::Spec::from(&thesis)).unwrap().to_core(), thesis);
 }
 
 #[test]
@@ -189,7 +190,7 @@ fn a_robot_that_allows_everything_says_nothing_of_it() {
     assert_eq!((said.get("hold"), said.get("max_speed_m_per_s")), (None, None));
     let held =
         json!({"sequence": 1, "epoch": 1, "sent_s": 1.0, "hold": true, "max_speed_m_per_s": null});
-    let held = step::Request::read(held.to_string().as_bytes()).unwrap().to_core().unwrap();
+    let held = step::Request::read(held.to_string().as_bytes()).unwrap().to_core();
     assert_eq!(held.limits, LocalLimits { hold: true, max_speed: None });
     let wrong = json!({"sequence": 1, "epoch": 1, "sent_s": 1.0, "max_speed_m_per_s": -0.1});
     let found = problems(step::Request::read(wrong.to_string().as_bytes()));

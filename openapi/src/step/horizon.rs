@@ -1,14 +1,11 @@
 //! What comes back from a step: the timed wheel speeds.
 
 use super::TIME;
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
 use crate::number;
-use crate::problem::Problems;
-use crate::robot::{MAX_INTEGER, WATCHDOG};
+use crate::robot::{MAX_INTEGER, MAX_SLOTS, WATCHDOG};
 use crate::task;
 use serde::{Deserialize, Serialize};
-use umwelt_core::geometry;
-use umwelt_core::horizon::{self, MAX_SLOTS};
 use utoipa::ToSchema;
 
 /// From a fast motor controller's cycle to that of a robot nobody would call controlled.
@@ -30,16 +27,10 @@ pub struct WheelSpeeds {
     pub right_rad_per_s: f64,
 }
 
-impl Checked for WheelSpeeds {
+impl Validate for WheelSpeeds {
     fn check(&self, check: &mut Check) {
         check.number("left_rad_per_s", self.left_rad_per_s, WHEEL_SPEED);
         check.number("right_rad_per_s", self.right_rad_per_s, WHEEL_SPEED);
-    }
-}
-
-impl From<geometry::WheelSpeeds> for WheelSpeeds {
-    fn from(core: geometry::WheelSpeeds) -> Self {
-        Self { left_rad_per_s: core.left, right_rad_per_s: core.right }
     }
 }
 
@@ -69,7 +60,7 @@ pub struct Horizon {
     pub wheel_speeds: Vec<WheelSpeeds>,
 }
 
-impl Checked for Horizon {
+impl Validate for Horizon {
     fn check(&self, check: &mut Check) {
         check.integer("sequence", self.sequence, 0..=MAX_INTEGER);
         check.integer("answers", self.answers, 0..=MAX_INTEGER);
@@ -78,42 +69,6 @@ impl Checked for Horizon {
         check.number("watchdog_s", self.watchdog_s, WATCHDOG);
         check.length("wheel_speeds", self.wheel_speeds.len(), 1..=MAX_SLOTS);
         check.items("wheel_speeds", &self.wheel_speeds);
-    }
-}
-
-impl Horizon {
-    /// The horizon to play. `valid_until_s` is for readers; the robot computes it from the rest.
-    ///
-    /// # Errors
-    /// Every field that is out of its range: a robot plays nothing that it cannot believe.
-    pub fn to_core(&self) -> Result<horizon::Horizon, Problems> {
-        Check::all(self)?;
-        let speeds = self.wheel_speeds.iter().map(|speeds| geometry::WheelSpeeds {
-            left: speeds.left_rad_per_s,
-            right: speeds.right_rad_per_s,
-        });
-        Ok(horizon::Horizon {
-            sequence: self.sequence,
-            answers: self.answers,
-            start: self.start_s,
-            slot: self.slot_s,
-            watchdog: self.watchdog_s,
-            speeds: speeds.collect(),
-        })
-    }
-}
-
-impl From<&horizon::Horizon> for Horizon {
-    fn from(core: &horizon::Horizon) -> Self {
-        Self {
-            sequence: core.sequence,
-            answers: core.answers,
-            start_s: core.start,
-            slot_s: core.slot,
-            watchdog_s: core.watchdog,
-            valid_until_s: number::known(core.valid_until()),
-            wheel_speeds: core.speeds.iter().copied().map(WheelSpeeds::from).collect(),
-        }
     }
 }
 

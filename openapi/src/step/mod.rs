@@ -5,20 +5,21 @@ mod horizon;
 pub use horizon::{Horizon, Reply, SLOT, WHEEL_SPEED, WheelSpeeds};
 
 use crate::body;
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
+use crate::checked::Checked;
 use crate::number;
 use crate::problem::Problems;
 use crate::robot::{LINEAR_SPEED, MAX_INTEGER};
 use crate::task::COORDINATE;
 use serde::{Deserialize, Serialize};
-use umwelt_core::actuation;
-use umwelt_core::exchange::{self, MAX_DELIVERIES, MAX_OBSERVATIONS};
-use umwelt_core::geometry;
-use umwelt_core::local::LocalLimits;
 use utoipa::ToSchema;
 
 /// Largest body of a step in bytes; a full one has 6 KiB.
 pub const MAX_BODY: usize = 64 * 1024;
+/// Most poses of one request: a camera of 1000 Hz within a slot of 30 ms.
+pub const MAX_OBSERVATIONS: usize = 32;
+/// Most deliveries that one request reports; more than arrive in one slot after a stall.
+pub const MAX_DELIVERIES: usize = 16;
 /// Thirty years of a monotonic clock, at which f64 still resolves a microsecond.
 pub const TIME: Range = Range::new(-1e9, 1e9, "s");
 /// Headings may be counted without wrapping; beyond 160 000 turns their fraction gets lost.
@@ -47,7 +48,7 @@ pub struct Observation {
     pub taken_s: f64,
 }
 
-impl Checked for Observation {
+impl Validate for Observation {
     fn check(&self, check: &mut Check) {
         check.number("x_m", self.x_m, COORDINATE);
         check.number("y_m", self.y_m, COORDINATE);
@@ -68,7 +69,7 @@ pub struct Delivery {
     pub loop_delay_s: f64,
 }
 
-impl Checked for Delivery {
+impl Validate for Delivery {
     fn check(&self, check: &mut Check) {
         check.integer("sequence", self.sequence, 0..=MAX_INTEGER);
         check.number("loop_delay_s", self.loop_delay_s, DELIVERY_DELAY);
@@ -87,7 +88,7 @@ pub struct Playing {
     pub since_s: f64,
 }
 
-impl Checked for Playing {
+impl Validate for Playing {
     fn check(&self, check: &mut Check) {
         check.integer("horizon", self.horizon, 0..=MAX_INTEGER);
         check.number("since_s", self.since_s, TIME);
@@ -104,7 +105,7 @@ impl Checked for Playing {
 ///     "deliveries": [{"sequence": 5, "loop_delay_s": 0.21}],
 ///     "playing": {"horizon": 4, "since_s": 12.40}
 /// }"#)?;
-/// assert_eq!(request.to_core()?.observations.len(), 1);
+/// assert_eq!(request.to_core().observations.len(), 1);
 /// # Ok::<(), umwelt_api::Problems>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -137,7 +138,7 @@ pub struct Request {
     pub max_speed_m_per_s: Option<f64>,
 }
 
-impl Checked for Request {
+impl Validate for Request {
     fn check(&self, check: &mut Check) {
         check.integer("sequence", self.sequence, 0..=MAX_INTEGER);
         check.integer("epoch", self.epoch, 0..=MAX_INTEGER);
@@ -185,79 +186,7 @@ impl Request {
     /// # Errors
     /// Every problem of it: values out of range, times out of order. An unknown field or a value of a wrong type
     /// is reported alone.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read(json)
-    }
-
-    /// The request of the robot in `epoch`. The connection stays behind: it is the transport's.
-    pub fn from_core(core: &exchange::Request, epoch: u64) -> Self {
-        Self {
-            sequence: core.sequence,
-            epoch,
-            sent_s: core.sent,
-            observations: core.observations.iter().copied().map(Observation::from).collect(),
-            deliveries: core.deliveries.iter().copied().map(Delivery::from).collect(),
-            playing: core.playing.map(Playing::from),
-            hold: core.limits.hold,
-            max_speed_m_per_s: core.limits.max_speed,
-        }
-    }
-
-    /// The request in core's terms, on connection 0.
-    ///
-    /// # Errors
-    /// Every field that is out of its range or contradicts another.
-    pub fn to_core(&self) -> Result<exchange::Request, Problems> {
-        Check::all(self)?;
-        Ok(exchange::Request {
-            sequence: self.sequence,
-            connection: 0,
-            sent: self.sent_s,
-            observations: self.observations.iter().copied().map(Observation::convert).collect(),
-            deliveries: self.deliveries.iter().copied().map(Delivery::convert).collect(),
-            playing: self.playing.map(|playing| actuation::Playing {
-                horizon: playing.horizon,
-                since: playing.since_s,
-            }),
-            limits: LocalLimits { hold: self.hold, max_speed: self.max_speed_m_per_s },
-        })
-    }
-}
-
-impl From<exchange::Observation> for Observation {
-    fn from(core: exchange::Observation) -> Self {
-        Self {
-            x_m: core.pose.x,
-            y_m: core.pose.y,
-            heading_rad: core.pose.heading.radians(),
-            taken_s: core.taken,
-        }
-    }
-}
-
-impl Observation {
-    fn convert(self) -> exchange::Observation {
-        exchange::Observation {
-            pose: geometry::Pose::new(self.x_m, self.y_m, self.heading_rad),
-            taken: self.taken_s,
-        }
-    }
-}
-
-impl From<exchange::Delivery> for Delivery {
-    fn from(core: exchange::Delivery) -> Self {
-        Self { sequence: core.sequence, loop_delay_s: core.loop_delay }
-    }
-}
-
-impl Delivery {
-    fn convert(self) -> exchange::Delivery {
-        exchange::Delivery { sequence: self.sequence, loop_delay: self.loop_delay_s }
-    }
-}
-
-impl From<actuation::Playing> for Playing {
-    fn from(core: actuation::Playing) -> Self {
-        Self { horizon: core.horizon, since_s: core.since }
     }
 }

@@ -1,16 +1,18 @@
 //! The floor of a simulated environment.
 
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
 use crate::named::NameOr;
-use crate::problem::Problems;
 use serde::{Deserialize, Deserializer, Serialize};
-use umwelt_core::plant::{self, MAX_SLIP_SD, SLIP_PRESETS, SlipError};
 use utoipa::ToSchema;
 
 /// At -1 the robot would not move, at 1 twice as far; no floor does either.
 pub const SLIP_MEAN: Range = Range::new(-0.999, 0.999, "");
 /// Ten times what any floor that was recorded does.
-pub const SLIP_SD: Range = Range::new(0.0, MAX_SLIP_SD, "");
+pub const SLIP_SD: Range = Range::new(0.0, 4.0, "");
+
+/// The floors that have a name, roughly from the best to the worst.
+pub const FLOORS: [&str; 8] =
+    ["none", "hard", "loaded", "dusty", "slippery", "oily", "towing", "ramp"];
 
 /// One ratio error of the commanded motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -23,22 +25,10 @@ pub struct SlipChannel {
     pub sd: f64,
 }
 
-impl Checked for SlipChannel {
+impl Validate for SlipChannel {
     fn check(&self, check: &mut Check) {
         check.number("mean", self.mean, SLIP_MEAN);
         check.number("sd", self.sd, SLIP_SD);
-    }
-}
-
-impl From<plant::SlipChannel> for SlipChannel {
-    fn from(core: plant::SlipChannel) -> Self {
-        Self { mean: core.mean(), sd: core.sd() }
-    }
-}
-
-impl SlipChannel {
-    fn convert(self) -> Result<plant::SlipChannel, SlipError> {
-        plant::SlipChannel::new(self.mean, self.sd)
     }
 }
 
@@ -57,27 +47,12 @@ pub struct Slip {
     pub drift: SlipChannel,
 }
 
-impl Checked for Slip {
+impl Validate for Slip {
     fn check(&self, check: &mut Check) {
         check.field("forward", |check| self.forward.check(check));
         check.field("lateral", |check| self.lateral.check(check));
         check.field("turn", |check| self.turn.check(check));
         check.field("drift", |check| self.drift.check(check));
-    }
-}
-
-impl Slip {
-    /// The slip in core's terms, whatever its ranges: what a program keeps was checked when it came.
-    ///
-    /// # Errors
-    /// Where a channel is no slip at all.
-    pub fn convert(self) -> Result<plant::Slip, SlipError> {
-        Ok(plant::Slip {
-            forward: self.forward.convert()?,
-            lateral: self.lateral.convert()?,
-            turn: self.turn.convert()?,
-            drift: self.drift.convert()?,
-        })
     }
 }
 
@@ -105,41 +80,7 @@ impl Floor {
     pub(super) fn check(&self, field: &str, check: &mut Check) {
         match self {
             Self::Slip(slip) => check.field(field, |check| slip.check(check)),
-            Self::Preset(name) => check.preset(field, name, &SLIP_PRESETS),
+            Self::Preset(name) => check.preset(field, name, &FLOORS),
         }
-    }
-
-    /// The floor in core's terms.
-    ///
-    /// # Errors
-    /// An unknown preset, or every number that is out of its range; fields are named from `slip` on.
-    pub fn to_core(&self) -> Result<plant::Slip, Problems> {
-        let mut check = Check::default();
-        self.check("slip", &mut check);
-        let slip = match self {
-            Self::Preset(name) => plant::Slip::preset(name),
-            Self::Slip(slip) => check.ok("slip", slip.convert()),
-        };
-        check.finish()?;
-        Ok(slip.unwrap_or_default())
-    }
-}
-
-impl From<plant::Slip> for Slip {
-    fn from(core: plant::Slip) -> Self {
-        Self {
-            forward: core.forward.into(),
-            lateral: core.lateral.into(),
-            turn: core.turn.into(),
-            drift: core.drift.into(),
-        }
-    }
-}
-
-impl From<plant::Slip> for Floor {
-    /// By its name where it is a preset.
-    fn from(core: plant::Slip) -> Self {
-        let preset = SLIP_PRESETS.into_iter().find(|name| plant::Slip::preset(name) == Some(core));
-        preset.map_or_else(|| Self::Slip(core.into()), |name| Self::Preset(name.to_owned()))
     }
 }

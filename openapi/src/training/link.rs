@@ -1,22 +1,33 @@
 //! The link of a simulated environment.
 
-use crate::check::{Check, Checked, Range};
+use super::simulator;
+use crate::check::{Check, Range, Validate};
 use crate::named::NameOr;
-use crate::problem::{Problems, reason};
+use crate::problem::reason;
 use serde::{Deserialize, Deserializer, Serialize};
-use umwelt_core::link::{self, LONGEST_DELAY, LinkError, MAX_OUTAGES, PRESETS};
 use utoipa::ToSchema;
 
 /// Up to five times the worst delay ever recorded.
-pub const DELAY: Range = Range::new(0.0, LONGEST_DELAY, "s");
+pub const DELAY: Range = Range::new(0.0, 60.0, "s");
 /// Longer than any episode.
 pub const OUTAGE_START: Range = Range::new(0.0, 1e6, "s");
 /// An outage of an hour is longer than any episode.
 pub const OUTAGE_DURATION: Range = Range::new(0.0, 3600.0, "s");
 /// At most one silence per two slots of 30 ms.
-pub const SILENCE_RATE: Range = Range::new(0.0, 0.5 / umwelt_core::horizon::SLOT, "1/s");
+pub const SILENCE_RATE: Range = Range::new(0.0, 0.5 / SLOT, "1/s");
 /// Most rows of a recorded round trip: longer recordings are for the simulated agent, which reads files.
 pub const MAX_ROWS: usize = 1000;
+
+/// Most outages: they are looked up per packet and checked per request.
+pub const MAX_OUTAGES: usize = 1000;
+/// The links that have a name, from the best to the worst.
+pub const LINKS: [&str; 4] = ["clean", "normal", "bad", "wifi-bursty"];
+/// Extra delay in s of a late packet, where nothing is said (thesis table 1).
+const LATE_EXTRA: f64 = 0.4;
+/// Time in s from a pose being taken to its being known on the robot, where nothing is said.
+const SENSOR_DELAY: f64 = 0.13;
+/// Length in s of a slot.
+const SLOT: f64 = 0.030;
 
 const PROBABILITY: Range = Range::new(0.0, 1.0, "");
 
@@ -30,7 +41,7 @@ pub struct TraceRow {
     pub rtt_s: f64,
 }
 
-impl Checked for TraceRow {
+impl Validate for TraceRow {
     fn check(&self, check: &mut Check) {
         check.number("t_s", self.t_s, OUTAGE_START);
         check.number("rtt_s", self.rtt_s, DELAY);
@@ -61,7 +72,7 @@ pub enum Rtt {
     },
 }
 
-impl Checked for Rtt {
+impl Validate for Rtt {
     fn check(&self, check: &mut Check) {
         match self {
             Self::Constant { rtt_s } => check.number("rtt_s", *rtt_s, DELAY),
@@ -85,36 +96,6 @@ impl Checked for Rtt {
     }
 }
 
-impl From<&link::Rtt> for Rtt {
-    fn from(core: &link::Rtt) -> Self {
-        match core {
-            link::Rtt::Constant(rtt) => Self::Constant { rtt_s: *rtt },
-            link::Rtt::Lognormal { median, p99 } => {
-                Self::Lognormal { median_s: *median, p99_s: *p99 }
-            }
-            link::Rtt::Trace(trace) => {
-                let rows = trace.rows().iter();
-                Self::Trace { rows: rows.map(|&(t_s, rtt_s)| TraceRow { t_s, rtt_s }).collect() }
-            }
-        }
-    }
-}
-
-impl Rtt {
-    fn convert(&self) -> Result<link::Rtt, link::TraceError> {
-        Ok(match self {
-            Self::Constant { rtt_s } => link::Rtt::Constant(*rtt_s),
-            Self::Lognormal { median_s, p99_s } => {
-                link::Rtt::Lognormal { median: *median_s, p99: *p99_s }
-            }
-            Self::Trace { rows } => {
-                let rows = rows.iter().map(|row| (row.t_s, row.rtt_s)).collect();
-                link::Rtt::Trace(link::RttTrace::new(rows)?)
-            }
-        })
-    }
-}
-
 /// Late packets on the way to the robot; none by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
@@ -130,29 +111,15 @@ pub struct LatePackets {
 
 impl Default for LatePackets {
     fn default() -> Self {
-        Self { probability: 0.0, after_late: None, extra_s: link::LATE_EXTRA }
+        Self { probability: 0.0, after_late: None, extra_s: LATE_EXTRA }
     }
 }
 
-impl Checked for LatePackets {
+impl Validate for LatePackets {
     fn check(&self, check: &mut Check) {
         check.number("probability", self.probability, PROBABILITY);
         check.number("after_late", self.after_late.unwrap_or(0.0), PROBABILITY);
         check.number("extra_s", self.extra_s, DELAY);
-    }
-}
-
-impl From<link::LatePackets> for LatePackets {
-    fn from(core: link::LatePackets) -> Self {
-        let after_late = Some(core.after_late);
-        Self { probability: core.probability, after_late, extra_s: core.extra }
-    }
-}
-
-impl LatePackets {
-    fn convert(self) -> link::LatePackets {
-        let after_late = self.after_late.unwrap_or(self.probability);
-        link::LatePackets { probability: self.probability, after_late, extra: self.extra_s }
     }
 }
 
@@ -166,7 +133,7 @@ pub struct Outage {
     pub duration_s: f64,
 }
 
-impl Checked for Outage {
+impl Validate for Outage {
     fn check(&self, check: &mut Check) {
         check.number("start_s", self.start_s, OUTAGE_START);
         check.number("duration_s", self.duration_s, OUTAGE_DURATION);
@@ -188,11 +155,11 @@ pub struct Silences {
 
 impl Default for Silences {
     fn default() -> Self {
-        link::Silences::NONE.into()
+        Self { rate_per_s: 0.0, shortest_s: 1.0, longest_s: 1.0 }
     }
 }
 
-impl Checked for Silences {
+impl Validate for Silences {
     fn check(&self, check: &mut Check) {
         check.number("rate_per_s", self.rate_per_s, SILENCE_RATE);
         check.number("shortest_s", self.shortest_s, DELAY);
@@ -200,18 +167,6 @@ impl Checked for Silences {
         let ordered = self.shortest_s > 0.0 && self.shortest_s <= self.longest_s;
         let remedy = "use 0 < shortest_s <= longest_s";
         check.agrees("longest_s", ordered, self.longest_s, remedy);
-    }
-}
-
-impl From<link::Silences> for Silences {
-    fn from(core: link::Silences) -> Self {
-        Self { rate_per_s: core.rate, shortest_s: core.shortest, longest_s: core.longest }
-    }
-}
-
-impl Silences {
-    fn convert(self) -> link::Silences {
-        link::Silences { rate: self.rate_per_s, shortest: self.shortest_s, longest: self.longest_s }
     }
 }
 
@@ -241,14 +196,14 @@ pub struct LinkModel {
 }
 
 fn sensor_delay() -> f64 {
-    link::SENSOR_DELAY
+    SENSOR_DELAY
 }
 
 fn in_order() -> bool {
     true
 }
 
-impl Checked for LinkModel {
+impl Validate for LinkModel {
     fn check(&self, check: &mut Check) {
         check.number("sensor_delay_s", self.sensor_delay_s, DELAY);
         check.field("rtt", |check| self.rtt.check(check));
@@ -264,57 +219,13 @@ impl Checked for LinkModel {
             });
         }
         check.field("silences", |check| self.silences.check(check));
-        self.agree(check);
-    }
-}
-
-impl LinkModel {
-    /// What core alone can say: that late slots form a chain, that silences leave a link.
-    fn agree(&self, check: &mut Check) {
-        let ordinary = link::LinkModel::ordinary(link::Rtt::Constant(0.0));
-        let late = link::LinkModel { late: self.late.convert(), ..ordinary.clone() };
-        if let Err(error @ LinkError::Burst { .. }) = late.validate() {
-            let after_late = self.late.after_late;
-            check.report(reason::INCONSISTENT, "late.after_late", after_late, error.to_string());
+        let LatePackets { probability, after_late, .. } = self.late;
+        if let Err(why) = simulator::bursts(probability, after_late.unwrap_or(probability)) {
+            check.report(reason::INCONSISTENT, "late.after_late", after_late, why);
         }
-        let silences = link::LinkModel { silences: self.silences.convert(), ..ordinary };
-        if let Err(error @ LinkError::SilenceLoad { .. }) = silences.validate() {
-            let rate = self.silences.rate_per_s;
-            check.report(reason::INCONSISTENT, "silences.rate_per_s", rate, error.to_string());
-        }
-    }
-
-    /// The link in core's terms, whatever its ranges: what a program keeps was checked when it came.
-    ///
-    /// # Errors
-    /// Where a recording is none at all.
-    pub fn convert(&self) -> Result<link::LinkModel, link::TraceError> {
-        let outages = self.outages.iter();
-        Ok(link::LinkModel {
-            sensor_delay: self.sensor_delay_s,
-            rtt: self.rtt.convert()?,
-            late: self.late.convert(),
-            outages: outages
-                .map(|it| link::Outage { start: it.start_s, duration: it.duration_s })
-                .collect(),
-            silences: self.silences.convert(),
-            in_order: self.in_order,
-        })
-    }
-}
-
-impl From<&link::LinkModel> for LinkModel {
-    fn from(core: &link::LinkModel) -> Self {
-        let outages = core.outages.iter();
-        Self {
-            sensor_delay_s: core.sensor_delay,
-            rtt: (&core.rtt).into(),
-            late: core.late.into(),
-            outages: outages
-                .map(|it| Outage { start_s: it.start, duration_s: it.duration })
-                .collect(),
-            silences: core.silences.into(),
-            in_order: core.in_order,
+        let Silences { rate_per_s, shortest_s, longest_s } = self.silences;
+        if let Err(why) = simulator::silences(rate_per_s, shortest_s, longest_s) {
+            check.report(reason::INCONSISTENT, "silences.rate_per_s", rate_per_s, why);
         }
     }
 }
@@ -343,33 +254,7 @@ impl Link {
     pub(super) fn check(&self, field: &str, check: &mut Check) {
         match self {
             Self::Model(model) => check.field(field, |check| model.check(check)),
-            Self::Preset(name) => check.preset(field, name, &PRESETS),
-        }
-    }
-
-    /// The link in core's terms.
-    ///
-    /// # Errors
-    /// An unknown preset, or everything that is wrong with the numbers; fields are named from `link` on.
-    pub fn to_core(&self) -> Result<link::LinkModel, Problems> {
-        let mut check = Check::default();
-        self.check("link", &mut check);
-        let model = match self {
-            Self::Preset(name) => link::LinkModel::preset(name),
-            Self::Model(model) => check.ok("link", model.convert()),
-        };
-        check.finish()?;
-        Ok(model.unwrap_or_else(|| link::LinkModel::ordinary(link::Rtt::Constant(0.0))))
-    }
-}
-
-impl From<&link::LinkModel> for Link {
-    /// By its name where it is a preset.
-    fn from(core: &link::LinkModel) -> Self {
-        let same = |name: &&str| link::LinkModel::preset(name).as_ref() == Some(core);
-        match PRESETS.into_iter().find(same) {
-            Some(name) => Self::Preset(name.to_owned()),
-            None => Self::Model(Box::new(core.into())),
+            Self::Preset(name) => check.preset(field, name, &LINKS),
         }
     }
 }

@@ -4,15 +4,17 @@
 
 mod floor;
 mod link;
+mod simulator;
 
-pub use floor::{Floor, SLIP_MEAN, SLIP_SD, Slip, SlipChannel};
+pub use floor::{FLOORS, Floor, SLIP_MEAN, SLIP_SD, Slip, SlipChannel};
 pub use link::{
-    DELAY, LatePackets, Link, LinkModel, MAX_ROWS, OUTAGE_DURATION, OUTAGE_START, Outage, Rtt,
-    SILENCE_RATE, Silences, TraceRow,
+    DELAY, LINKS, LatePackets, Link, LinkModel, MAX_OUTAGES, MAX_ROWS, OUTAGE_DURATION,
+    OUTAGE_START, Outage, Rtt, SILENCE_RATE, Silences, TraceRow,
 };
 
 use crate::body;
-use crate::check::{Check, Checked, Range};
+use crate::check::{Check, Range, Validate};
+use crate::checked::Checked;
 use crate::id::EnvironmentId;
 use crate::page::Unreadable;
 use crate::prior::MAX_NOTE;
@@ -76,7 +78,7 @@ fn weight() -> f64 {
     1.0
 }
 
-impl Checked for Spec {
+impl Validate for Spec {
     fn check(&self, check: &mut Check) {
         self.slip.check("slip", check);
         self.link.check("link", check);
@@ -90,16 +92,8 @@ impl Spec {
     ///
     /// # Errors
     /// Every problem of it: unknown fields, unknown presets, values out of range or that contradict each other.
-    pub fn read(json: &[u8]) -> Result<Self, Problems> {
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
         body::read_shared(json)
-    }
-
-    /// Every value that is out of its range.
-    ///
-    /// # Errors
-    /// All of them.
-    pub fn validate(&self) -> Result<(), Problems> {
-        Check::all(self)
     }
 }
 

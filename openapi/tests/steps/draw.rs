@@ -192,7 +192,7 @@ pub fn task() -> impl Strategy<Value = Task> {
                 "waypoints": waypoints, "tolerance_m": tolerance, "reverse": reverse,
                 "calibration": calibration,
             });
-            wire_task::Spec::read(spec.to_string().as_bytes()).unwrap().to_core().unwrap()
+            wire_task::Spec::read(spec.to_string().as_bytes()).unwrap().to_core()
         },
     )
 }

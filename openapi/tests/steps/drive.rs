@@ -98,7 +98,7 @@ impl Agent {
             "hold": said.allows.0, "max_speed_m_per_s": said.allows.1,
         });
         let request = Request::read(request.to_string().as_bytes());
-        request.and_then(|request| request.to_core()).unwrap()
+        request.unwrap().to_core()
     }
 
     /// Oldest first, their times strictly increasing as far as numbers of this size allow.

@@ -54,7 +54,7 @@ proptest! {
 #[test]
 fn a_robot_that_cannot_tell_where_it_will_be_stays_within_its_limits() {
     let task = task::Spec::read(br#"{"waypoints": [{"x_m": -0.4, "y_m": 0.1}], "reverse": true}"#);
-    let task = task.unwrap().to_core().unwrap();
+    let task = task.unwrap().to_core();
     for seed in 0..200 {
         let spec = json!({
             "prior": "flat",

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use umwelt_agent::transport::{Answering, Connect};
 use umwelt_client::api::problem::{Detail, Problem, Status, reason};
-use umwelt_client::api::step;
+use umwelt_client::api::{Checked, step};
 use umwelt_client::{Error, Failure};
 use umwelt_core::controller::Controller;
 use umwelt_core::episode::Scenario;
@@ -182,7 +182,7 @@ impl Inner {
 
     fn answer(&mut self, request: &step::Request) -> Result<step::Reply, Problem> {
         // What the robot sends is valid, always.
-        let core = request.to_core().expect("a valid request");
+        let core = Checked::new(request.clone()).expect("a valid request").to_core();
         if !self.is_known {
             return Err(Problem::new(Status::NotFound, "there is no robot rover-7"));
         }

@@ -123,8 +123,8 @@ mod tests {
     fn what_is_kept_comes_back_and_what_cannot_be_read_is_noted() {
         let id: EnvironmentId = "wet-hall".parse().unwrap();
         let spec = Spec::read(br#"{"slip": "oily", "link": "bad", "note": "n"}"#).unwrap();
-        let environment = wire::training::environment(&spec, &id).unwrap();
-        let named = Named { id, environment, note: spec.note, built_in: false };
+        let environment = wire::training::environment(&spec, &id);
+        let named = Named { id, environment, note: spec.into_inner().note, built_in: false };
         let stored = named.stored().unwrap();
         assert_eq!(Named::of_stored(&stored), Ok(named.clone()));
         let later = StoredEnvironment {

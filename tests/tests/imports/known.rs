@@ -14,14 +14,7 @@ pub const CIRCLES: &[(&str, &[&[&str]])] = &[
             "comparison/settings.rs",
         ]],
     ),
-    (
-        "umwelt-api",
-        &[
-            &["body/fault.rs", "body/tree.rs"],
-            &["comparison/claim.rs", "comparison/report.rs"],
-            &["problem/mod.rs", "problem/problems.rs"],
-        ],
-    ),
+    ("umwelt-api", &[&["comparison/claim.rs", "comparison/report.rs"]]),
     (
         "umwelt-server",
         &[

@@ -13,6 +13,7 @@ use futures_util::TryStreamExt;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
+use umwelt_api::Validate;
 use umwelt_api::robot::{Attribution, Method, Page, PriorChoice, Robot, Spec, State};
 use umwelt_api::{PriorId, RobotId};
 
@@ -171,7 +172,8 @@ impl Add {
         if let Some(path) = &self.file {
             source = input::name(path);
             let json = input::read(path)?;
-            spec = Spec::read(&json).map_err(|problems| Failure::wrong_body(&source, &problems))?;
+            let read = Spec::read(&json);
+            spec = read.map_err(|problems| Failure::wrong_body(&source, &problems))?.into_inner();
             source.push_str(" with these flags");
         }
         replace(&mut spec.method, self.method);

@@ -17,6 +17,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval};
 use umwelt_api::RobotId;
+use umwelt_api::Validate;
 use umwelt_api::robot::{Robot, State};
 use umwelt_api::task::{Calibration, Spec, Stage, Task, Waypoint};
 
@@ -155,10 +156,10 @@ impl Set {
             Some(path) => {
                 source = input::name(path);
                 let json = input::read(path)?;
-                let spec = Spec::read(&json)
-                    .map_err(|problems| Failure::wrong_body(&source, &problems))?;
+                let read = Spec::read(&json);
+                let spec = read.map_err(|problems| Failure::wrong_body(&source, &problems))?;
                 source.push_str(" with these flags");
-                spec
+                spec.into_inner()
             }
             None => empty()?,
         };
@@ -173,7 +174,7 @@ impl Set {
         }
         spec.reverse |= self.reverse;
         spec.calibration = self.calibration.on_top_of(spec.calibration);
-        spec.to_core().map_err(|problems| Failure::wrong_body(&source, &problems))?;
+        spec.validate().map_err(|problems| Failure::wrong_body(&source, &problems))?;
         Ok(spec)
     }
 }

@@ -7,6 +7,7 @@ use crate::wire;
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
+use umwelt_api::Checked;
 use umwelt_api::comparison::{self, Request, Scenario, Spec};
 use umwelt_api::problem::reason;
 use umwelt_api::{Known, Problems, prior as priors, robot};
@@ -60,7 +61,7 @@ fn asking_for(settings: &ComparisonSettings, prior: &str) -> Value {
     spec
 }
 
-fn read(body: &Value) -> Result<(Request, ComparisonSettings), Problems> {
+fn read(body: &Value) -> Result<(Checked<Request>, ComparisonSettings), Problems> {
     wire::comparison::read(body.to_string().as_bytes(), priors::built_in)
 }
 
@@ -119,7 +120,7 @@ proptest! {
 #[test]
 fn scenarios_are_those_of_lab_and_an_empty_request_is_the_thesis() {
     let (request, settings) = read(&json!({})).unwrap();
-    assert_eq!((request, settings), (Request::default(), thesis()));
+    assert_eq!((request.into_inner(), settings), (Request::default(), thesis()));
     assert_eq!(Scenario::ALL.map(Scenario::name), SCENARIOS);
     for scenario in Scenario::ALL {
         let (_, settings) = read(&json!({ "scenario": scenario.name() })).unwrap();

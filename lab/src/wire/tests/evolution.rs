@@ -8,6 +8,7 @@ use crate::wire::training::built_in;
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
+use umwelt_api::Checked;
 use umwelt_api::Problems;
 use umwelt_api::evolution::{self, Request, Spec};
 use umwelt_api::problem::reason;
@@ -60,7 +61,7 @@ fn asking_for(settings: &EvolutionSettings) -> Value {
     spec
 }
 
-fn read(body: &Value) -> Result<(Request, EvolutionSettings), Problems> {
+fn read(body: &Value) -> Result<(Checked<Request>, EvolutionSettings), Problems> {
     wire::evolution::read(body.to_string().as_bytes(), built_in)
 }
 
@@ -94,7 +95,7 @@ proptest! {
 fn presets_are_those_of_lab_and_an_empty_request_is_the_default() {
     let (request, settings) = read(&json!({})).unwrap();
     assert_eq!(Some(settings), EvolutionSettings::preset("default"));
-    assert_eq!(request, Request::default());
+    assert_eq!(*request, Request::default());
     for name in lab::PRESETS {
         let (request, settings) = read(&json!({ "preset": name })).unwrap();
         assert_eq!(request.preset.unwrap().name(), name);

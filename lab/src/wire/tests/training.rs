@@ -5,6 +5,7 @@ use crate::evolution::{ENVIRONMENTS, Fitness, TrainingEnvironment};
 use crate::wire::training::{built_in, environment};
 use proptest::prelude::*;
 use proptest::sample::select;
+use umwelt_api::Checked;
 use umwelt_api::training;
 use umwelt_core::link::{
     LatePackets, LinkModel, Outage, PRESETS, Rtt, RttTrace, SENSOR_DELAY, Silences,
@@ -70,7 +71,7 @@ proptest! {
         let lab = TrainingEnvironment { name: "a".to_owned(), slip, link, fitness, weight };
         let spec = training::Spec::from(&lab);
         let read = training::Spec::read(&serde_json::to_vec(&spec).unwrap()).unwrap();
-        prop_assert_eq!(environment(&read, &"a".parse().unwrap()), Ok(lab));
+        prop_assert_eq!(environment(&read, &"a".parse().unwrap()), lab);
         let shown = training::Environment::new("a".parse().unwrap(), spec.clone(), false, "1");
         prop_assert_eq!(shown.to_spec(), spec);
     }
@@ -81,7 +82,8 @@ fn what_is_built_in_can_be_put_under_another_name() {
     for name in ENVIRONMENTS {
         let lab = TrainingEnvironment::preset(name).unwrap();
         let spec = training::Spec::from(&lab);
-        assert_eq!(environment(&spec, &name.parse().unwrap()), Ok(lab), "{name}");
+        let checked = Checked::new(spec).unwrap();
+        assert_eq!(environment(&checked, &name.parse().unwrap()), lab, "{name}");
     }
     assert_eq!(built_in("moon").unwrap_err(), ENVIRONMENTS);
 }

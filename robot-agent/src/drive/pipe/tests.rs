@@ -7,6 +7,7 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+use umwelt_client::api::Checked;
 use umwelt_client::api::step;
 use umwelt_client::api::task::Stage;
 use umwelt_core::controller::Controller;
@@ -37,7 +38,7 @@ fn controlling(waypoints: Vec<Point>) -> (Connect, Arc<Mutex<Controller>>) {
     let controller = Arc::new(Mutex::new(controller));
     let shared = Arc::clone(&controller);
     let connect = answering(move |request| {
-        let request = request.to_core().unwrap();
+        let request = Checked::new(request.clone()).unwrap().to_core();
         shared.lock().unwrap().step(&request).horizon
     });
     (connect, controller)

@@ -13,7 +13,7 @@ use umwelt_api::stop::{Stop, StopAll};
 /// Observations in, horizon out.
 pub(crate) async fn step(Known(robot): Known, Body(body): Body<MAX_BODY>) -> Result {
     let request = Request::read(&body)?;
-    let reply = robot.step(request.to_core()?, request.epoch).await?;
+    let reply = robot.step(request.to_core(), request.epoch).await?;
     Ok(answer::json(StatusCode::OK, &*reply))
 }
 

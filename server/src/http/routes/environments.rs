@@ -25,7 +25,7 @@ pub(crate) async fn put(
     Body(body): Body<{ training::MAX_BODY }>,
 ) -> Result {
     let spec = Spec::read(&body)?;
-    let environment = wire::training::environment(&spec, &id)?;
+    let environment = wire::training::environment(&spec, &id);
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.environments.changing().await;
@@ -38,7 +38,7 @@ pub(crate) async fn put(
         if before.is_none() && app.environments.all().len() >= MAX_ENVIRONMENTS {
             return Err(failure::limit_reached("environments", MAX_ENVIRONMENTS));
         }
-        let named = Named { id, environment, note: spec.note, built_in: false };
+        let named = Named { id, environment, note: spec.into_inner().note, built_in: false };
         let stored = named.stored().map_err(|error| failure::internal(error.to_string()))?;
         app.keeper.commit(vec![Change::PutEnvironment(stored)]).await?;
         app.environments.all().insert(named.clone());

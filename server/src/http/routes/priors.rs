@@ -25,7 +25,7 @@ pub(crate) async fn put(
     Body(body): Body<{ prior::MAX_BODY }>,
 ) -> Result {
     let spec = Spec::read(&body)?;
-    let prior = spec.to_core()?;
+    let prior = spec.to_core();
     to_the_end(async move {
         accepts_changes(&app)?;
         let _changing = app.priors.changing().await;
@@ -47,7 +47,7 @@ pub(crate) async fn put(
             }
             None => Source::Put,
         };
-        let named = Named { id, prior, note: spec.note, source };
+        let named = Named { id, prior, note: spec.into_inner().note, source };
         app.keeper.commit(named.stored().map(Change::PutPrior).into_iter().collect()).await?;
         app.priors.all().insert(named.clone());
         app.unreadable.remove(Kind::Prior, named.id.as_str());

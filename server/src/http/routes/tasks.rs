@@ -18,7 +18,7 @@ pub(crate) async fn put(
     condition: Condition,
     Body(body): Body<{ task::MAX_BODY }>,
 ) -> Result {
-    let task = Spec::read(&body)?.to_core()?;
+    let task = Spec::read(&body)?.to_core();
     let put = app.fleet.put_task(robot.clone(), task, condition).await?;
     show(&robot, code(put))
 }
