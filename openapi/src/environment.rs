@@ -16,7 +16,7 @@ pub const LUCK: f64 = 0.05;
 
 /// What is identified of the environment of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = environment::Environment)]
+#[schema(as = Environment)]
 pub struct Environment {
     /// How it was identified.
     pub method: Method,
@@ -36,7 +36,7 @@ pub struct Environment {
 
 /// The prior behind what is identified.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = environment::Prior)]
+#[schema(as = EnvironmentPrior)]
 pub struct Prior {
     /// Its name; null where the description of the robot has its own numbers.
     pub name: Option<PriorId>,
@@ -90,7 +90,7 @@ fn origin(source: &Source) -> String {
 
 /// Control errors per channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = environment::Channels)]
+#[schema(as = Channels)]
 pub struct Channels {
     /// Forward error per metre commanded.
     pub forward: Channel,
@@ -104,7 +104,7 @@ pub struct Channels {
 
 /// What is believed about one channel's error ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = environment::Channel)]
+#[schema(as = Channel)]
 pub struct Channel {
     /// Whether predictions use it.
     pub used: bool,
@@ -126,7 +126,7 @@ pub struct Channel {
 
 /// From `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = environment::Interval)]
+#[schema(as = Interval)]
 pub struct Interval {
     /// Lower end.
     pub low: f64,
@@ -136,7 +136,7 @@ pub struct Interval {
 
 /// What is believed about the link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = environment::Link)]
+#[schema(as = EnvironmentLink)]
 pub struct Link {
     /// Deliveries reported.
     pub samples: u64,

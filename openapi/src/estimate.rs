@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 // The schema has the name that it had when evolutions alone estimated something: names are the contract's.
 /// A mean with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Estimate)]
+#[schema(as = Estimate)]
 pub struct Estimate {
     /// The mean.
     #[serde(serialize_with = "number::finite")]

@@ -27,7 +27,7 @@ use utoipa::ToSchema;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = event::Event)]
+#[schema(as = Event)]
 pub struct Event {
     /// Number of the event on this server, strictly increasing.
     pub id: u64,
@@ -41,7 +41,7 @@ pub struct Event {
 /// What happened.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
-#[schema(as = event::Kind)]
+#[schema(as = EventKind)]
 pub enum Kind {
     /// The robot was described, for the first time or anew.
     Registered,

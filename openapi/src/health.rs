@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 /// The server answers: `/healthz` while it lives, `/readyz` while it takes requests (503 otherwise).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[schema(as = health::Health)]
+#[schema(as = Health)]
 pub struct Health {
     /// Always `ok`; anything else is an error.
     pub status: String,

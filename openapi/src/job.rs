@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 /// Where an evolution stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = evolution::State)]
+#[schema(as = JobState)]
 pub enum State {
     /// It waits for its turn.
     Queued,

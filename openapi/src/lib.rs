@@ -24,6 +24,7 @@ pub mod comparison;
 #[cfg(feature = "core")]
 mod conversion;
 mod document;
+pub mod endpoint;
 pub mod environment;
 mod estimate;
 pub mod event;

@@ -14,6 +14,12 @@ pub const DEFAULT_PAGE_SIZE: u64 = 50;
 /// Longest page token: it holds an id or a number and little else.
 pub const MAX_PAGE_TOKEN: usize = 128;
 
+/// A page token that is the last id of the page before.
+pub(crate) const ID_TOKEN: &str = "^[a-z0-9-]{1,63}$";
+
+/// A page token that is the last number of the page before.
+pub(crate) const NUMBER_TOKEN: &str = "^[0-9]{1,19}$";
+
 /// Which part of a list to show: the query of `GET /v1/priors`, `/v1/environments` and
 /// `/v1/evolutions/{evolution}/generations`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,7 +49,7 @@ impl PageQuery {
 /// Something of a list that the server keeps and cannot read: a newer version of it has written it. It stays as it is until
 /// it is removed or another is put in its place.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[schema(as = page::Unreadable)]
+#[schema(as = Unreadable)]
 pub struct Unreadable {
     /// Its name or id.
     pub name: String,

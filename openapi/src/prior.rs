@@ -37,7 +37,7 @@ pub const MAX_ROBOTS: usize = 100;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = prior::Spec)]
+#[schema(as = PriorSpec)]
 pub struct Spec {
     /// Forward error per metre commanded.
     pub forward: robot::ChannelPrior,
@@ -91,7 +91,7 @@ impl Spec {
 /// Where a prior comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-#[schema(as = prior::Source)]
+#[schema(as = PriorSource)]
 pub enum Source {
     /// It comes with the server.
     BuiltIn,
@@ -114,7 +114,7 @@ pub enum Source {
 
 /// A named prior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = prior::Prior)]
+#[schema(as = Prior)]
 pub struct Prior {
     /// Its name.
     pub prior: PriorId,
@@ -171,7 +171,7 @@ impl Prior {
 
 /// Some of the priors, in the order of their names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = prior::Page)]
+#[schema(as = PriorPage)]
 pub struct Page {
     /// The priors.
     pub priors: Vec<Prior>,

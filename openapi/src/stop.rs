@@ -13,7 +13,7 @@ use utoipa::ToSchema;
 /// # Ok::<(), serde_json::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[schema(as = stop::Stop)]
+#[schema(as = Stop)]
 pub struct Stop {
     /// The robot.
     pub robot: RobotId,
@@ -27,7 +27,7 @@ pub struct Stop {
 
 /// The answer to stopping or resuming all robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[schema(as = stop::StopAll)]
+#[schema(as = StopAll)]
 pub struct StopAll {
     /// How many robots there are; all of them were told.
     pub robots: usize,

@@ -35,7 +35,7 @@ pub const STRAIGHT: Range = Range::new(0.0, 10.0, "m");
 
 /// A place in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = task::Waypoint)]
+#[schema(as = Waypoint)]
 pub struct Waypoint {
     /// World x.
     pub x_m: f64,
@@ -53,7 +53,7 @@ impl Validate for Waypoint {
 /// Motion before a task from which the environment is learned: rotate, rest, repeated, then a straight part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = task::Calibration)]
+#[schema(as = Calibration)]
 pub struct Calibration {
     /// How often the robot rotates and rests, alternately left and right.
     pub rotations: u32,
@@ -95,7 +95,7 @@ impl Validate for Calibration {
 /// # Ok::<(), umwelt_api::Problems>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = task::Spec)]
+#[schema(as = TaskSpec)]
 pub struct Spec {
     /// Places to stop at. The first leg leads from where the robot stands to the first of them.
     pub waypoints: Vec<Waypoint>,
@@ -147,7 +147,7 @@ impl Spec {
 /// What a robot is doing about its task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = task::Stage)]
+#[schema(as = TaskStage)]
 pub enum Stage {
     /// No task.
     Idle,
@@ -165,7 +165,7 @@ pub enum Stage {
 
 /// How far a task has got.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = task::Progress)]
+#[schema(as = TaskProgress)]
 pub struct Progress {
     /// What the robot is doing.
     pub stage: Stage,
@@ -192,7 +192,7 @@ pub struct Progress {
 
 /// The task of a robot and how far it has got.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = task::Task)]
+#[schema(as = Task)]
 pub struct Task {
     /// Whose task it is.
     pub robot: RobotId,

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 /// What is wrong. See `docs/watch.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = watch::State)]
+#[schema(as = WatchState)]
 pub enum State {
     /// Commanded to move and not seen to.
     Stuck,
@@ -48,7 +48,7 @@ impl State {
 
 /// What the watch finds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = watch::Watch)]
+#[schema(as = Watch)]
 pub struct Watch {
     /// What is wrong.
     pub state: State,
@@ -66,7 +66,7 @@ pub struct Watch {
 /// What limits a robot's speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = watch::Limit)]
+#[schema(as = WatchLimit)]
 pub enum Limit {
     /// The largest speeds of the drive.
     Drive,

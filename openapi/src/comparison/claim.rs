@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 /// What the thesis claims of `bayesian` against `statistic`, and what it comes to in one environment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Claim)]
+#[schema(as = Claim)]
 pub struct Claim {
     /// The environment.
     pub environment: String,

@@ -18,7 +18,7 @@ use utoipa::ToSchema;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Event)]
+#[schema(as = ComparisonEvent)]
 pub struct Event {
     /// Trials that every contender has driven: never decreasing, the same after a restart.
     pub id: u64,
@@ -32,7 +32,7 @@ pub struct Event {
 /// What happened to a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
-#[schema(as = comparison::Kind)]
+#[schema(as = ComparisonKind)]
 pub enum Kind {
     /// The state, the stage, or how far it has got: at the beginning of a stream, and after each change.
     State {

@@ -49,7 +49,7 @@ pub const REPORT_MEDIA_TYPE: &str = "text/markdown";
 
 /// A comparison as it is now.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Comparison)]
+#[schema(as = Comparison)]
 pub struct Comparison {
     /// Its id, given by the server.
     pub comparison: ComparisonId,
@@ -72,7 +72,7 @@ pub struct Comparison {
 /// A figure of a comparison (thesis figures 8 to 11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = comparison::Figure)]
+#[schema(as = ComparisonFigure)]
 pub enum Figure {
     /// Share of the trials that deviate by more, environment by environment.
     Deviation,

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 /// Some of the comparisons, the newest first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Page)]
+#[schema(as = ComparisonPage)]
 pub struct Page {
     /// The comparisons, each without its report.
     pub comparisons: Vec<Comparison>,

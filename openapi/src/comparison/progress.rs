@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 /// What a comparison is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = comparison::Stage)]
+#[schema(as = ComparisonStage)]
 pub enum Stage {
     /// It waits for its turn.
     Queued,
@@ -36,7 +36,7 @@ impl Stage {
 
 /// How far a comparison has got.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Progress)]
+#[schema(as = ComparisonProgress)]
 pub struct Progress {
     /// What it is doing; where it has failed or was cancelled, what it was doing then.
     pub stage: Stage,

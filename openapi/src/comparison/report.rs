@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 /// Mean, median and 90 % quantile over the trials, each with its 95 % bootstrap interval; `mean` of each is its value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Quantities)]
+#[schema(as = Quantities)]
 pub struct Quantities {
     /// The mean.
     pub mean: Estimate,
@@ -21,7 +21,7 @@ pub struct Quantities {
 /// How much smaller mean, median and 90 % quantile are than another's, as a part of the other's: 1 - this/other, 0.2
 /// for a fifth less, negative where they are larger. Null where the other's is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Reductions)]
+#[schema(as = Reductions)]
 pub struct Reductions {
     /// Of the mean.
     pub mean: Option<Estimate>,
@@ -33,7 +33,7 @@ pub struct Reductions {
 
 /// When a contender believed to be in the environment that it was in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Recognition)]
+#[schema(as = Recognition)]
 pub struct Recognition {
     /// Share of the trials at whose end it did, 0 to 1.
     #[serde(serialize_with = "number::finite")]
@@ -47,7 +47,7 @@ pub struct Recognition {
 
 /// A contender beside `statistic` with as many slots, paired by seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Difference)]
+#[schema(as = Difference)]
 pub struct Difference {
     /// The other one, as `statistic/20`.
     pub against: String,
@@ -63,7 +63,7 @@ pub struct Difference {
 
 /// A contender in an environment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Entry)]
+#[schema(as = ComparisonEntry)]
 pub struct Entry {
     /// Method and slots, as `bayesian/20`.
     pub contender: String,
@@ -83,7 +83,7 @@ pub struct Entry {
 
 /// An environment, with everybody in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::EnvironmentReport)]
+#[schema(as = EnvironmentReport)]
 pub struct EnvironmentReport {
     /// The environment.
     pub environment: String,
@@ -93,7 +93,7 @@ pub struct EnvironmentReport {
 
 /// What came of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Report)]
+#[schema(as = ComparisonReport)]
 pub struct Report {
     /// Trials of each contender in each environment.
     pub trials: u64,

@@ -23,7 +23,7 @@ use utoipa::ToSchema;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = comparison::Request)]
+#[schema(as = ComparisonRequest)]
 pub struct Request {
     /// What is driven, and in which environments; null for `thesis`.
     pub scenario: Option<Scenario>,

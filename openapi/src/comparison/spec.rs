@@ -57,7 +57,7 @@ pub const DEFAULT_PRIOR: &str = "thesis";
 /// What is driven, and in which environments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = comparison::Scenario)]
+#[schema(as = Scenario)]
 pub enum Scenario {
     /// The thesis's round trip of 0.9 m on a hard floor over a normal and a bad link, a robot without lag.
     #[default]
@@ -109,7 +109,7 @@ impl Scenario {
 
 /// What a comparison was asked for, all filled in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = comparison::Spec)]
+#[schema(as = ComparisonSpec)]
 pub struct Spec {
     /// What is driven; expect others.
     pub scenario: String,

@@ -1,7 +1,7 @@
 //! Writes the limits into the schemas: those that the checks ask for, recorded from a walk of each check.
 
-use super::route::Schemas;
 use crate::check::{Check, Limit, Validate};
+use crate::endpoint::Schemas;
 use crate::{comparison, evolution, prior, robot, step, task, training};
 use utoipa::openapi::schema::{ArrayItems, Schema, SchemaType, Type};
 use utoipa::openapi::{Object, RefOr};

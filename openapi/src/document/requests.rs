@@ -1,5 +1,5 @@
 //! What is sent has schemas that allow nothing beside what they name; those of what comes back stay open, because later
-//! versions show more. A type that goes both ways has two of them: `robot.Spec` and `robot.SpecRequest`.
+//! versions show more. A type that goes both ways has two of them: `RobotSpec` and `RobotSpecRequest`.
 
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
@@ -61,13 +61,7 @@ fn lead(operation: &mut Operation, twice: &BTreeSet<String>) {
 /// Allows no fields beside those that a schema names; what it refers to is the closed form of that.
 fn shut(schema: &mut RefOr<Schema>, twice: &BTreeSet<String>) {
     let schema = match schema {
-        RefOr::Ref(reference) => {
-            let target = &mut reference.ref_location;
-            if target.strip_prefix(PREFIX).is_some_and(|name| twice.contains(name)) {
-                target.push_str(SUFFIX);
-            }
-            return;
-        }
+        RefOr::Ref(reference) => return point(&mut reference.ref_location, twice),
         RefOr::T(schema) => schema,
     };
     match schema {
@@ -83,10 +77,21 @@ fn shut(schema: &mut RefOr<Schema>, twice: &BTreeSet<String>) {
                 shut(items, twice);
             }
         }
-        Schema::OneOf(one_of) => one_of.items.iter_mut().for_each(|inner| shut(inner, twice)),
+        Schema::OneOf(one_of) => {
+            one_of.items.iter_mut().for_each(|inner| shut(inner, twice));
+            let kinds = one_of.discriminator.iter_mut().flat_map(|it| it.mapping.values_mut());
+            kinds.for_each(|target| point(target, twice));
+        }
         Schema::AllOf(all_of) => all_of.items.iter_mut().for_each(|inner| shut(inner, twice)),
         Schema::AnyOf(any_of) => any_of.items.iter_mut().for_each(|inner| shut(inner, twice)),
         _ => {}
+    }
+}
+
+/// Points to the closed form of a schema where there are two.
+fn point(target: &mut String, twice: &BTreeSet<String>) {
+    if target.strip_prefix(PREFIX).is_some_and(|name| twice.contains(name)) {
+        target.push_str(SUFFIX);
     }
 }
 

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 /// A prior in one environment, on the seeds of the report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::EnvironmentResult)]
+#[schema(as = EnvironmentResult)]
 pub struct EnvironmentResult {
     /// The environment.
     pub environment: String,
@@ -27,7 +27,7 @@ pub struct EnvironmentResult {
 
 /// One prior on the seeds of the report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Entry)]
+#[schema(as = EvolutionEntry)]
 pub struct Entry {
     /// `champion`, `first-generation` (the best of it), `default` or `flat`; expect others.
     pub name: String,
@@ -46,7 +46,7 @@ pub struct Entry {
 
 /// What an evolution found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Champion)]
+#[schema(as = Champion)]
 pub struct Champion {
     /// The champion's prior.
     pub prior: robot::Prior,

@@ -19,7 +19,7 @@ use utoipa::ToSchema;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Event)]
+#[schema(as = EvolutionEvent)]
 pub struct Event {
     /// Generations that have ended: never decreasing, the same after a restart.
     pub id: u64,
@@ -33,7 +33,7 @@ pub struct Event {
 /// What happened to an evolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
-#[schema(as = evolution::Kind)]
+#[schema(as = EvolutionKind)]
 pub enum Kind {
     /// A generation ended; the event's id is its index plus one.
     Generation {

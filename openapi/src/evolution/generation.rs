@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 /// A generation in one environment. Each individual counts with its mean over its trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::GenerationEnvironment)]
+#[schema(as = GenerationEnvironment)]
 pub struct GenerationEnvironment {
     /// The environment.
     pub environment: String,
@@ -30,7 +30,7 @@ pub struct GenerationEnvironment {
 
 /// What came of a generation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Generation)]
+#[schema(as = Generation)]
 pub struct Generation {
     /// Its number, from 0.
     pub index: u64,

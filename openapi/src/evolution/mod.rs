@@ -31,7 +31,7 @@ pub const MAX_BODY: usize = 64 * 1024;
 
 /// An evolution as it is now.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Evolution)]
+#[schema(as = Evolution)]
 pub struct Evolution {
     /// Its id, given by the server.
     pub evolution: EvolutionId,
@@ -56,7 +56,7 @@ pub struct Evolution {
 /// A figure of an evolution (thesis figures 6 and 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = evolution::Figure)]
+#[schema(as = EvolutionFigure)]
 pub enum Figure {
     /// Largest deviation, best and mean per generation (thesis figure 6).
     Deviation,

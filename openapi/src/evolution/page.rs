@@ -13,7 +13,7 @@ pub const DEFAULT_GENERATIONS_SIZE: u64 = 1000;
 
 /// Some of the evolutions, the newest first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Page)]
+#[schema(as = EvolutionPage)]
 pub struct Page {
     /// The evolutions.
     pub evolutions: Vec<Evolution>,
@@ -26,7 +26,7 @@ pub struct Page {
 
 /// Some of the generations of an evolution, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::GenerationsPage)]
+#[schema(as = GenerationsPage)]
 pub struct GenerationsPage {
     /// The generations.
     pub generations: Vec<Generation>,

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 /// What an evolution is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = evolution::Stage)]
+#[schema(as = EvolutionStage)]
 pub enum Stage {
     /// It waits for its turn.
     Queued,
@@ -39,7 +39,7 @@ impl Stage {
 
 /// How far an evolution has got.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Progress)]
+#[schema(as = EvolutionProgress)]
 pub struct Progress {
     /// What it is doing; where it has failed or was cancelled, what it was doing then.
     pub stage: Stage,

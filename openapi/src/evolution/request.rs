@@ -24,7 +24,7 @@ use utoipa::ToSchema;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = evolution::Request)]
+#[schema(as = EvolutionRequest)]
 pub struct Request {
     /// Where the rest comes from; null for `default`.
     pub preset: Option<Preset>,

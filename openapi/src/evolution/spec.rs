@@ -36,7 +36,7 @@ pub const MAX_TIME: Range = Range::new(1.0, 600.0, "s");
 /// What is not said comes from here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = evolution::Preset)]
+#[schema(as = EvolutionPreset)]
 pub enum Preset {
     /// Six environments, horizons of twenty slots: for use.
     #[default]
@@ -61,7 +61,7 @@ impl Preset {
 /// How the prior is searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = evolution::Optimizer)]
+#[schema(as = Optimizer)]
 pub enum Optimizer {
     /// The thesis's genetic algorithm.
     Genetic,
@@ -84,7 +84,7 @@ impl Optimizer {
 
 /// What an evolution was asked for, all filled in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = evolution::Spec)]
+#[schema(as = EvolutionSpec)]
 pub struct Spec {
     /// Where individuals are tried.
     pub environments: Vec<String>,

@@ -17,7 +17,7 @@ pub const MAX_REMEDY: usize = 500;
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = problem::Detail)]
+#[schema(as = Detail)]
 pub struct Detail {
     /// Why, for programs: `OUT_OF_RANGE`, `UNKNOWN_FIELD`, ...; expect others.
     pub reason: String,

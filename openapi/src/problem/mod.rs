@@ -81,7 +81,7 @@ impl From<Problems> for Problem {
 
 /// The body of every response that is no success.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = problem::ErrorBody)]
+#[schema(as = ErrorBody)]
 pub struct ErrorBody {
     /// What went wrong.
     pub error: ErrorStatus,
@@ -89,7 +89,7 @@ pub struct ErrorBody {
 
 /// What went wrong.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = problem::ErrorStatus)]
+#[schema(as = ErrorStatus)]
 pub struct ErrorStatus {
     /// The HTTP status code.
     pub code: u16,

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 /// The kind of a problem, by its gRPC name. Success has none here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE", from = "String")]
-#[schema(as = problem::Status)]
+#[schema(as = ProblemStatus)]
 pub enum Status {
     /// What was sent is wrong, whatever the state of the system.
     InvalidArgument,

@@ -14,7 +14,7 @@ pub const MAX_INTEGER: u64 = (1 << 53) - 1;
 /// How the environment is identified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = robot::Method)]
+#[schema(as = Method)]
 pub enum Method {
     /// The error distribution measured once on the normal link, never updated.
     FixedNormal,
@@ -29,7 +29,7 @@ pub enum Method {
 /// What an observed motion is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = robot::Attribution)]
+#[schema(as = Attribution)]
 pub enum Attribution {
     /// The commands as sent: a late packet shows as a control error.
     Sent,
@@ -40,7 +40,7 @@ pub enum Attribution {
 /// How the pose at the time of a command is predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-#[schema(as = robot::Predictor)]
+#[schema(as = Predictor)]
 pub enum Predictor {
     /// Mean and covariance propagated in closed form.
     Moments,

@@ -28,7 +28,7 @@ pub const HEADING_NOISE: Range = Range::new(0.0, 1.0, "rad");
 /// A two-wheel drive. What is left out is that of a robot of the 0.1 m class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = robot::Drive)]
+#[schema(as = Drive)]
 pub struct Drive {
     /// Radius of both wheels.
     pub wheel_radius_m: f64,
@@ -119,7 +119,7 @@ impl Validate for Drive {
 /// Known standard deviations of one observed pose; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = robot::Noise)]
+#[schema(as = Noise)]
 pub struct Noise {
     /// Per axis.
     pub position_m: f64,

@@ -35,7 +35,7 @@ pub const MAX_BODY: usize = 64 * 1024;
 /// Whether the robot is heard from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = robot::State)]
+#[schema(as = RobotState)]
 pub enum State {
     /// It has never sent a step to this server.
     Never,
@@ -49,7 +49,7 @@ pub enum State {
 
 /// A robot as it is now.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = robot::Robot)]
+#[schema(as = Robot)]
 pub struct Robot {
     /// Its id.
     pub robot: RobotId,
@@ -87,7 +87,7 @@ pub struct Robot {
 
 /// A pose in the world and the robot's own time at which it was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = robot::Pose)]
+#[schema(as = Pose)]
 pub struct Pose {
     /// World x.
     #[serde(serialize_with = "number::finite")]
@@ -105,7 +105,7 @@ pub struct Pose {
 
 /// Some of the robots, in the order of their ids.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = robot::Page)]
+#[schema(as = RobotPage)]
 pub struct Page {
     /// The robots.
     pub robots: Vec<Robot>,

@@ -15,7 +15,7 @@ pub const SUM_OF_SQUARES: Range = Range::new(1e-12, 1e12, "");
 
 /// Belief about one channel's error ratio: normal, inverse chi-squared (thesis eq. 32-34).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = robot::ChannelPrior)]
+#[schema(as = ChannelPrior)]
 pub struct ChannelPrior {
     /// Expected ratio.
     pub mu: f64,
@@ -39,7 +39,7 @@ impl Validate for ChannelPrior {
 /// Belief about each channel before any sample. A channel that is left out has the weak default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = robot::Prior)]
+#[schema(as = ChannelPriors)]
 pub struct Prior {
     /// Forward error per metre commanded.
     pub forward: ChannelPrior,
@@ -72,7 +72,7 @@ impl Validate for Prior {
 /// The prior that a robot begins with: the name of one, or one of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
-#[schema(as = robot::PriorChoice)]
+#[schema(as = PriorChoice)]
 pub enum PriorChoice {
     /// The name of a prior: `default`, `flat`, `thesis`, or one of `GET /v1/priors`.
     Named(String),

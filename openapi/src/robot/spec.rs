@@ -31,7 +31,7 @@ pub const TURN: Range = Range::new(1e-3, std::f64::consts::PI, "rad");
 /// Largest predicted variance of a pose at which the robot may move as it likes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = robot::VarianceLimits)]
+#[schema(as = VarianceLimits)]
 pub struct VarianceLimits {
     /// Of the position, in its worst direction.
     pub position_m2: f64,
@@ -55,7 +55,7 @@ impl Validate for VarianceLimits {
 /// The steering law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = robot::Steering)]
+#[schema(as = Steering)]
 pub struct Steering {
     /// Speed of the law on a straight line.
     pub alpha_m_per_s: f64,
@@ -107,7 +107,7 @@ impl Validate for Steering {
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = robot::Spec)]
+#[schema(as = RobotSpec)]
 pub struct Spec {
     /// Geometry, limits and lag of the drive.
     pub drive: Drive,

@@ -17,7 +17,7 @@ pub const WHEEL_SPEED: Range = Range::new(-1000.0, 1000.0, "rad/s");
 
 /// Angular velocities of the two wheels, positive when driving the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = step::WheelSpeeds)]
+#[schema(as = WheelSpeeds)]
 pub struct WheelSpeeds {
     /// Left wheel.
     #[serde(serialize_with = "number::finite")]
@@ -39,7 +39,7 @@ impl Validate for WheelSpeeds {
 /// The robot plays the entry for now of the horizon with the highest sequence, holds the last one past the end for
 /// `watchdog_s`, then ramps to rest by itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = step::Horizon)]
+#[schema(as = Horizon)]
 pub struct Horizon {
     /// Number of this horizon, strictly increasing within an epoch: the highest wins.
     pub sequence: u64,
@@ -74,7 +74,7 @@ impl Validate for Horizon {
 
 /// The answer to a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = step::Reply)]
+#[schema(as = StepReply)]
 pub struct Reply {
     /// What to play.
     pub horizon: Horizon,

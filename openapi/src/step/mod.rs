@@ -32,7 +32,7 @@ pub const DELIVERY_DELAY: Range = Range::new(0.0, 86_400.0, "s");
 /// A pose and when it was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(as = step::Observation)]
+#[schema(as = Observation)]
 pub struct Observation {
     /// World x.
     #[serde(serialize_with = "number::finite")]
@@ -60,7 +60,7 @@ impl Validate for Observation {
 /// The measured loop delay of one reply.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(as = step::Delivery)]
+#[schema(as = Delivery)]
 pub struct Delivery {
     /// Sequence of the request that was answered.
     pub sequence: u64,
@@ -79,7 +79,7 @@ impl Validate for Delivery {
 /// What the robot plays now.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(as = step::Playing)]
+#[schema(as = Playing)]
 pub struct Playing {
     /// Sequence of the horizon.
     pub horizon: u64,
@@ -110,7 +110,7 @@ impl Validate for Playing {
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(as = step::Request)]
+#[schema(as = StepRequest)]
 pub struct Request {
     /// Number of this request, strictly increasing within an epoch.
     pub sequence: u64,

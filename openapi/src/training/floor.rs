@@ -17,7 +17,7 @@ pub const FLOORS: [&str; 8] =
 /// One ratio error of the commanded motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = training::SlipChannel)]
+#[schema(as = SlipChannel)]
 pub struct SlipChannel {
     /// Its mean; -0.1 is a tenth less far.
     pub mean: f64,
@@ -35,7 +35,7 @@ impl Validate for SlipChannel {
 /// What a floor adds to the commanded motion, in the body frame. A channel that is left out has no error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = training::Slip)]
+#[schema(as = TrainingSlip)]
 pub struct Slip {
     /// Forward error per metre commanded.
     pub forward: SlipChannel,
@@ -59,7 +59,7 @@ impl Validate for Slip {
 /// A floor: the name of a preset, or its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
-#[schema(as = training::Floor)]
+#[schema(as = TrainingFloor)]
 pub enum Floor {
     /// One of `none`, `hard`, `dusty`, `slippery`, `oily`, `loaded`, `ramp`; a later version may know more.
     Preset(String),

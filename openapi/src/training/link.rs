@@ -33,7 +33,7 @@ const PROBABILITY: Range = Range::new(0.0, 1.0, "");
 
 /// A recorded round-trip time, in force from its own time on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = training::TraceRow)]
+#[schema(as = TraceRow)]
 pub struct TraceRow {
     /// Time since the beginning of the recording; increasing.
     pub t_s: f64,
@@ -51,7 +51,7 @@ impl Validate for TraceRow {
 /// The ordinary round-trip time, shared by the two directions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-#[schema(as = training::Rtt)]
+#[schema(as = Rtt)]
 pub enum Rtt {
     /// The same for every packet.
     Constant {
@@ -99,7 +99,7 @@ impl Validate for Rtt {
 /// Late packets on the way to the robot; none by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = training::LatePackets)]
+#[schema(as = LatePackets)]
 pub struct LatePackets {
     /// Probability that a slot of 30 ms is late, over the long run.
     pub probability: f64,
@@ -125,7 +125,7 @@ impl Validate for LatePackets {
 
 /// A window in which nothing gets through.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = training::Outage)]
+#[schema(as = Outage)]
 pub struct Outage {
     /// When it begins, since the beginning of the episode.
     pub start_s: f64,
@@ -143,7 +143,7 @@ impl Validate for Outage {
 /// Outages at random; none by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
-#[schema(as = training::Silences)]
+#[schema(as = Silences)]
 pub struct Silences {
     /// How many begin per second.
     pub rate_per_s: f64,
@@ -172,7 +172,7 @@ impl Validate for Silences {
 
 /// What a link is like, in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = training::LinkModel)]
+#[schema(as = LinkModel)]
 pub struct LinkModel {
     /// From a pose being taken to its being known on the robot.
     #[serde(default = "sensor_delay")]
@@ -233,7 +233,7 @@ impl Validate for LinkModel {
 /// A link: the name of a preset, or its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
-#[schema(as = training::Link)]
+#[schema(as = TrainingLink)]
 pub enum Link {
     /// One of `clean`, `normal`, `bad`, `wifi-bursty`; a later version may know more.
     Preset(String),

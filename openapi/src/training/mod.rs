@@ -34,7 +34,7 @@ pub const WEIGHT: Range = Range::new(1e-3, 1e3, "");
 /// Which fitness an individual has on an environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schema(as = training::Fitness)]
+#[schema(as = Fitness)]
 pub enum Fitness {
     /// That of the normal environment (thesis eq. 52).
     #[default]
@@ -56,7 +56,7 @@ pub enum Fitness {
 /// # Ok::<(), umwelt_api::Problems>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = training::Spec)]
+#[schema(as = TrainingSpec)]
 pub struct Spec {
     /// The floor.
     pub slip: Floor,
@@ -99,7 +99,7 @@ impl Spec {
 
 /// A simulated environment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = training::Environment)]
+#[schema(as = TrainingEnvironment)]
 pub struct Environment {
     /// Its name.
     pub environment: EnvironmentId,
@@ -143,7 +143,7 @@ impl Environment {
 
 /// Some of the simulated environments, in the order of their names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = training::Page)]
+#[schema(as = TrainingPage)]
 pub struct Page {
     /// The environments.
     pub environments: Vec<Environment>,

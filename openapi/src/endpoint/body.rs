@@ -1,0 +1,41 @@
+//! What a request brings.
+
+use super::wire::Wired;
+use crate::check::Validate;
+use crate::checked::Checked;
+use crate::problem::Problems;
+use crate::{comparison, evolution, prior, robot, step, task, training};
+
+/// The body of a request.
+pub trait Body: Validate + Wired {
+    /// Most bytes of one.
+    const MAX_BYTES: usize;
+
+    /// Reads one.
+    ///
+    /// # Errors
+    /// Every problem of it.
+    fn read(json: &[u8]) -> Result<Checked<Self>, Problems>;
+}
+
+macro_rules! bodies {
+    ($($module:ident::$type:ident)*) => {$(
+        impl Body for $module::$type {
+            const MAX_BYTES: usize = $module::MAX_BODY;
+
+            fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
+                Self::read(json)
+            }
+        }
+    )*};
+}
+
+bodies! {
+    robot::Spec
+    task::Spec
+    step::Request
+    prior::Spec
+    training::Spec
+    evolution::Request
+    comparison::Request
+}

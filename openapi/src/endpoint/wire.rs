@@ -1,0 +1,65 @@
+//! A type of the wire as a value: its schema, and whether JSON is one.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+use utoipa::openapi::{Ref, RefOr, Schema};
+
+/// Schemas by name.
+pub type Schemas = BTreeMap<String, RefOr<Schema>>;
+
+/// What goes over the wire and has a schema.
+pub trait Wired: ToSchema + Serialize + DeserializeOwned {}
+
+impl<T: ToSchema + Serialize + DeserializeOwned> Wired for T {}
+
+/// A type of the wire.
+#[derive(Clone, Copy, Debug)]
+pub struct Wire {
+    schema: fn(&mut Schemas) -> (String, RefOr<Schema>),
+    again: fn(&Value) -> Result<Value, String>,
+}
+
+impl Wire {
+    pub(super) const fn of<T: Wired>() -> Self {
+        Self { schema: schema::<T>, again: again::<T> }
+    }
+
+    /// A type that is written in a query alone.
+    pub(super) const fn query<T: ToSchema>() -> Self {
+        Self { schema: schema::<T>, again: |value| Ok(value.clone()) }
+    }
+
+    /// A reference to its schema, which goes into `schemas` with all that it refers to.
+    pub fn schema(&self, schemas: &mut Schemas) -> RefOr<Schema> {
+        (self.schema)(schemas).1
+    }
+
+    /// The name of its schema.
+    pub fn name(&self) -> String {
+        (self.schema)(&mut Schemas::new()).0
+    }
+
+    /// What is written of it once this has been read.
+    ///
+    /// # Errors
+    /// Where this is none of its values.
+    pub fn again(&self, value: &Value) -> Result<Value, String> {
+        (self.again)(value)
+    }
+}
+
+fn schema<T: ToSchema>(schemas: &mut Schemas) -> (String, RefOr<Schema>) {
+    let name = T::name().into_owned();
+    let mut found = vec![(name.clone(), T::schema())];
+    T::schemas(&mut found);
+    schemas.extend(found);
+    (name.clone(), Ref::from_schema_name(name).into())
+}
+
+fn again<T: Wired>(value: &Value) -> Result<Value, String> {
+    let read = T::deserialize(value).map_err(|error| error.to_string())?;
+    serde_json::to_value(read).map_err(|error| error.to_string())
+}
