@@ -17,6 +17,7 @@ use std::time::Duration;
 use tower::retry::RetryLayer;
 use tower::util::BoxCloneSyncService;
 use tower::{Service, ServiceBuilder, ServiceExt};
+use umwelt_api::endpoint::{self, Endpoint};
 use umwelt_api::environment::Environment;
 use umwelt_api::health::Health;
 use umwelt_api::robot::{self, MAX_PAGE_SIZE, Page, PageQuery, Robot};
@@ -109,7 +110,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn put_robot(&self, robot: &RobotId, spec: &robot::Spec) -> Result<Robot, Error> {
-        self.put(self.robot(robot, &[]), spec).await
+        self.send(endpoint::PUT_ROBOT, &[robot.as_str()], spec).await
     }
 
     /// The robot as it is now.
@@ -117,7 +118,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
     pub async fn get_robot(&self, robot: &RobotId) -> Result<Robot, Error> {
-        self.get(self.robot(robot, &[])).await
+        self.ask(endpoint::GET_ROBOT, &[robot.as_str()]).await
     }
 
     /// Removes a robot with its task and what was learned.
@@ -125,7 +126,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
     pub async fn delete_robot(&self, robot: &RobotId) -> Result<(), Error> {
-        self.delete(self.robot(robot, &[])).await
+        self.remove(endpoint::DELETE_ROBOT, &[robot.as_str()]).await
     }
 
     /// One page of the robots, in the order of their ids. [`Client::robots`] walks over all pages.
@@ -133,7 +134,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn list_robots(&self, query: &PageQuery) -> Result<Page, Error> {
-        let mut url = self.at(&["v1", "robots"]);
+        let mut url = self.url(endpoint::LIST_ROBOTS, &[]);
         add_query(&mut url, query);
         self.get(url).await
     }
@@ -142,7 +143,7 @@ impl Client {
     /// error ends the stream.
     pub fn robots(&self, state: Option<robot::State>) -> BoxStream<'static, Result<Robot, Error>> {
         let client = self.clone();
-        let what = format!("GET {}", self.at(&["v1", "robots"]));
+        let what = format!("GET {}", self.url(endpoint::LIST_ROBOTS, &[]));
         pages::all(what, move |page_token| {
             let client = client.clone();
             async move {
@@ -159,7 +160,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
     pub async fn set_task(&self, robot: &RobotId, spec: &task::Spec) -> Result<Task, Error> {
-        self.put(self.robot(robot, &["task"]), spec).await
+        self.send(endpoint::PUT_TASK, &[robot.as_str()], spec).await
     }
 
     /// The task of a robot and how far it has got.
@@ -167,7 +168,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where there is no such robot or it has no task, and whatever [`Error`] tells.
     pub async fn get_task(&self, robot: &RobotId) -> Result<Task, Error> {
-        self.get(self.robot(robot, &["task"])).await
+        self.ask(endpoint::GET_TASK, &[robot.as_str()]).await
     }
 
     /// Cancels the task of a robot; it ramps to rest.
@@ -175,7 +176,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where there is no such robot or it has no task, and whatever [`Error`] tells.
     pub async fn cancel_task(&self, robot: &RobotId) -> Result<(), Error> {
-        self.delete(self.robot(robot, &["task"])).await
+        self.remove(endpoint::DELETE_TASK, &[robot.as_str()]).await
     }
 
     /// What is identified of the floor and the link of a robot.
@@ -183,7 +184,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
     pub async fn environment(&self, robot: &RobotId) -> Result<Environment, Error> {
-        self.get(self.robot(robot, &["environment"])).await
+        self.ask(endpoint::GET_ENVIRONMENT, &[robot.as_str()]).await
     }
 
     /// Forgets what was learned about the environment of a robot: back to the prior.
@@ -191,7 +192,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
     pub async fn reset_environment(&self, robot: &RobotId) -> Result<Environment, Error> {
-        self.post(self.robot(robot, &["environment", "reset"])).await
+        self.ask(endpoint::RESET_ENVIRONMENT, &[robot.as_str()]).await
     }
 
     /// Stops a robot until it is resumed, from its next exchange on. Its task is kept.
@@ -199,7 +200,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
     pub async fn stop(&self, robot: &RobotId) -> Result<Stop, Error> {
-        self.post(self.robot(robot, &["stop"])).await
+        self.ask(endpoint::STOP_ROBOT, &[robot.as_str()]).await
     }
 
     /// Lets a stopped robot go on.
@@ -207,7 +208,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where the robot is not known, and whatever [`Error`] tells.
     pub async fn resume(&self, robot: &RobotId) -> Result<Stop, Error> {
-        self.post(self.robot(robot, &["resume"])).await
+        self.ask(endpoint::RESUME_ROBOT, &[robot.as_str()]).await
     }
 
     /// Stops all robots until they are resumed.
@@ -215,7 +216,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn stop_all(&self) -> Result<StopAll, Error> {
-        self.post(self.at(&["v1", "stop"])).await
+        self.ask(endpoint::STOP_ALL, &[]).await
     }
 
     /// Lets all stopped robots go on.
@@ -223,7 +224,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn resume_all(&self) -> Result<StopAll, Error> {
-        self.post(self.at(&["v1", "resume"])).await
+        self.ask(endpoint::RESUME_ALL, &[]).await
     }
 
     /// Whether the server lives.
@@ -231,7 +232,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn health(&self) -> Result<Health, Error> {
-        self.get(self.at(&["healthz"])).await
+        self.ask(endpoint::HEALTH, &[]).await
     }
 
     /// Whether the server takes requests. It is asked once: UNAVAILABLE is the answer here.
@@ -239,7 +240,7 @@ impl Client {
     /// # Errors
     /// UNAVAILABLE where it does not, and whatever [`Error`] tells.
     pub async fn ready(&self) -> Result<Health, Error> {
-        let url = self.at(&["readyz"]);
+        let url = self.url(endpoint::READINESS, &[]);
         self.typed(Call::new(Method::GET, url, self.allowed, 0)).await
     }
 
@@ -255,8 +256,46 @@ impl Client {
         self.address.at(path)
     }
 
-    fn robot(&self, robot: &RobotId, below: &[&str]) -> Url {
-        self.at(&[&["v1", "robots", robot.as_str()], below].concat())
+    /// Where an endpoint is asked that is about what these `names` say.
+    pub(crate) fn url<B, A>(&self, endpoint: Endpoint<B, A>, names: &[&str]) -> Url {
+        self.at(&endpoint.operation().segments(names))
+    }
+
+    /// What an endpoint answers.
+    pub(crate) async fn ask<A: DeserializeOwned>(
+        &self,
+        endpoint: Endpoint<(), A>,
+        names: &[&str],
+    ) -> Result<A, Error> {
+        self.typed(self.calling(endpoint, names)).await
+    }
+
+    /// What an endpoint answers to `body`.
+    pub(crate) async fn send<B: Serialize, A: DeserializeOwned>(
+        &self,
+        endpoint: Endpoint<B, A>,
+        names: &[&str],
+        body: &B,
+    ) -> Result<A, Error> {
+        self.typed(self.calling(endpoint, names).with_json(body)?).await
+    }
+
+    /// Removes what an endpoint removes.
+    pub(crate) async fn remove(&self, endpoint: Endpoint, names: &[&str]) -> Result<(), Error> {
+        self.bytes(self.calling(endpoint, names)).await.map(drop)
+    }
+
+    /// A call of an endpoint, on the condition of this client where it takes one.
+    pub(crate) fn calling<B, A>(&self, endpoint: Endpoint<B, A>, names: &[&str]) -> Call {
+        let operation = endpoint.operation();
+        let method = match operation.method {
+            endpoint::Method::Get => Method::GET,
+            endpoint::Method::Put => Method::PUT,
+            endpoint::Method::Post => Method::POST,
+            endpoint::Method::Delete => Method::DELETE,
+        };
+        let if_match = self.if_match.clone().filter(|_| operation.is_conditional);
+        Call { if_match, ..self.call(method, self.url(endpoint, names)) }
     }
 
     pub(crate) async fn get<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
@@ -316,7 +355,7 @@ mod tests {
     #[test]
     fn a_query_says_what_was_asked_for_and_no_more() {
         let client = Client::new("http://h").unwrap();
-        let mut url = client.at(&["v1", "robots"]);
+        let mut url = client.url(endpoint::LIST_ROBOTS, &[]);
         add_query(&mut url, &PageQuery::default());
         assert_eq!(url.as_str(), "http://h/v1/robots");
         let query = PageQuery {

@@ -5,6 +5,7 @@ use crate::call::{self, GRPC_TIMEOUT, grpc_timeout};
 use crate::error::{self, Error};
 use reqwest::header::{CONTENT_TYPE, HeaderValue};
 use std::time::Duration;
+use umwelt_api::endpoint::STEP;
 use umwelt_api::step::{Reply, Request};
 use umwelt_api::{RobotId, Token};
 
@@ -47,7 +48,7 @@ impl StepConnection {
     /// ABORTED where another agent has taken the robot over, NOT_FOUND where the server does not know it, and all
     /// that [`Error`] tells; [`Failure::TimedOut`](crate::Failure::TimedOut) after [`STEP_DEADLINE`].
     pub async fn step(&self, robot: &RobotId, request: &Request) -> Result<Reply, Error> {
-        let url = self.address.at(&["v1", "robots", robot.as_str(), "step"]);
+        let url = self.address.at(&STEP.operation().segments(&[robot.as_str()]));
         let what = format!("POST {url}");
         let body = serde_json::to_vec(request).map_err(|error| Error::BadCall {
             what: what.as_str().into(),

@@ -1,7 +1,7 @@
 //! One operation of the contract in its OpenAPI form.
 
 use super::{examples, failures};
-use crate::endpoint::{Answer, Method, Operation, Paged, Schemas, Wire};
+use crate::endpoint::{Answer, BYTES, Method, Operation, Paged, Schemas, Wire};
 use crate::id::{ComparisonId, EnvironmentId, EvolutionId, PriorId, RobotId};
 use crate::idempotency::MAX_KEY;
 use crate::page::MAX_PAGE_TOKEN;
@@ -17,9 +17,6 @@ use utoipa::{PartialSchema, ToSchema};
 
 /// What 304 says.
 const NOT_MODIFIED: &str = "It is as it was: `If-None-Match` names its version";
-
-/// What a document is called by who knows no media type but this.
-pub(super) const BYTES: &str = "application/octet-stream";
 
 /// The path item with `operation` alone; the schemas that it uses go into `schemas`.
 pub(super) fn item(operation: &Operation, schemas: &mut Schemas) -> PathItem {

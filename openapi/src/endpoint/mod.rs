@@ -33,7 +33,7 @@ mod wire;
 pub use body::Body;
 pub use jobs::*;
 pub use library::*;
-pub use operation::{Answer, Method, Operation, Paged, Scope};
+pub use operation::{Answer, BYTES, Method, Operation, Paged, Scope};
 pub use robots::*;
 pub use server::*;
 pub use wire::{Schemas, Wire};

@@ -52,6 +52,9 @@ pub struct Paged {
     pub token: &'static str,
 }
 
+/// The media type of a document that is no text to who accepts no other: makers of clients know none of pictures.
+pub const BYTES: &str = "application/octet-stream";
+
 /// What a success answers.
 #[derive(Clone, Copy, Debug)]
 pub enum Answer {

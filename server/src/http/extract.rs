@@ -9,10 +9,11 @@ use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::{HeaderMap, StatusCode, header, request::Parts};
 use bytes::Bytes;
 use std::collections::HashMap;
+use std::marker::PhantomData;
 use std::str::FromStr;
 use std::sync::Arc;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
-use umwelt_api::{EnvironmentId, InvalidId, PriorId, RobotId};
+use umwelt_api::{Checked, EnvironmentId, InvalidId, PriorId, RobotId, endpoint};
 
 /// The `{robot}` of a path, valid but perhaps unknown.
 pub(crate) struct Id(pub(crate) RobotId);
@@ -77,10 +78,25 @@ impl FromRequestParts<App> for Known {
     }
 }
 
-/// A JSON body of at most `LIMIT` bytes, all of it here.
-pub(crate) struct Body<const LIMIT: usize>(pub(crate) Bytes);
+/// The body of a request, read and checked.
+pub(crate) struct Body<B>(pub(crate) Checked<B>);
 
-impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
+impl<B: endpoint::Body + Send> FromRequest<App> for Body<B> {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {
+        let Json { bytes, .. } = Json::<B>::from_request(request, app).await?;
+        Ok(Self(B::read(&bytes)?))
+    }
+}
+
+/// The JSON of a body, all of it here: what it means is asked with what the server knows.
+pub(crate) struct Json<B> {
+    pub(crate) bytes: Bytes,
+    body: PhantomData<fn() -> B>,
+}
+
+impl<B: endpoint::Body> FromRequest<App> for Json<B> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {
@@ -88,15 +104,15 @@ impl<const LIMIT: usize> FromRequest<App> for Body<LIMIT> {
         expect_json(&parts.headers)?;
         expect_plain(&parts.headers)?;
         let promised = axum::body::HttpBody::size_hint(&body).lower();
-        if promised > LIMIT as u64 {
-            return Err(too_large(LIMIT));
+        if promised > B::MAX_BYTES as u64 {
+            return Err(too_large(B::MAX_BYTES));
         }
         let peer = parts.extensions.get().copied().unwrap_or(Peer::IN_PROCESS);
-        let read = app.bodies.read(peer, body, LIMIT);
+        let read = app.bodies.read(peer, body, B::MAX_BYTES);
         let timeout = app.body_timeout;
         match tokio::time::timeout(timeout, read).await {
-            Ok(Ok(bytes)) => Ok(Self(bytes)),
-            Ok(Err(Unread::TooLarge)) => Err(too_large(LIMIT)),
+            Ok(Ok(bytes)) => Ok(Self { bytes, body: PhantomData }),
+            Ok(Err(Unread::TooLarge)) => Err(too_large(B::MAX_BYTES)),
             Ok(Err(Unread::GivenUp(limits))) => Err(given_up(limits)),
             Ok(Err(Unread::Broken(error))) => {
                 let message = format!("the body ended early: {error}");

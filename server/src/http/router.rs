@@ -10,14 +10,16 @@ use crate::http::routes::{
 use crate::resource::failure::{self, Failure};
 use axum::Router;
 use axum::extract::Request;
+use axum::handler::Handler;
 use axum::http::StatusCode;
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
-use axum::routing::{get, post, put};
+use axum::routing::{delete, get, post, put};
 use std::any::Any;
 use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::trace::TraceLayer;
+use umwelt_api::endpoint::{self, Endpoint, Method, Operation};
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_lab::comparison::Comparison;
 use umwelt_lab::evolution::Evolution;
@@ -32,64 +34,94 @@ pub(crate) fn router(app: App, rules: guard::Rules) -> Router {
 }
 
 fn routes(app: App) -> Router {
-    Router::new()
-        // Robots
-        .route("/v1/robots", get(robots::list))
-        .route("/v1/robots/{robot}", put(robots::put).get(robots::get).delete(robots::delete))
-        // Tasks
-        .route("/v1/robots/{robot}/task", put(tasks::put).get(tasks::get).delete(tasks::delete))
-        // Control: the hot path, and the stop
-        .route("/v1/robots/{robot}/step", post(control::step))
-        .route("/v1/robots/{robot}/stop", post(control::stop))
-        .route("/v1/robots/{robot}/resume", post(control::resume))
-        .route("/v1/stop", post(control::stop_all))
-        .route("/v1/resume", post(control::resume_all))
-        // What is identified
-        .route("/v1/robots/{robot}/environment", get(environment::get))
-        .route("/v1/robots/{robot}/environment/reset", post(environment::reset))
-        // Priors by name
-        .route("/v1/priors", get(priors::list))
-        .route("/v1/priors/{prior}", put(priors::put).get(priors::get).delete(priors::delete))
-        // Simulated environments by name
-        .route("/v1/environments", get(environments::list))
-        .route(
-            "/v1/environments/{environment}",
-            put(environments::put).get(environments::get).delete(environments::delete),
-        )
-        // Evolutions: priors searched for in the background
-        .route("/v1/evolutions", post(evolutions::submit).get(jobs::list::<Evolution>))
-        .route(
-            "/v1/evolutions/{evolution}",
-            get(jobs::get::<Evolution>).delete(jobs::delete::<Evolution>),
-        )
-        .route("/v1/evolutions/{evolution}/cancel", post(jobs::cancel::<Evolution>))
-        .route("/v1/evolutions/{evolution}/generations", get(evolutions::generations))
-        .route("/v1/evolutions/{evolution}/events", get(jobs::events::<Evolution>))
-        .route("/v1/evolutions/{evolution}/figures/{figure}", get(evolutions::figure))
-        // Comparisons: methods on the same seeds, in the background
-        .route("/v1/comparisons", post(comparisons::submit).get(jobs::list::<Comparison>))
-        .route(
-            "/v1/comparisons/{comparison}",
-            get(jobs::get::<Comparison>).delete(jobs::delete::<Comparison>),
-        )
-        .route("/v1/comparisons/{comparison}/cancel", post(jobs::cancel::<Comparison>))
-        .route("/v1/comparisons/{comparison}/events", get(jobs::events::<Comparison>))
-        .route("/v1/comparisons/{comparison}/figures/{figure}", get(comparisons::figure))
-        .route("/v1/comparisons/{comparison}/trials.csv", get(comparisons::trials))
-        .route("/v1/comparisons/{comparison}/report.md", get(comparisons::report))
-        // What happens
-        .route("/v1/robots/{robot}/events", get(events::of_robot))
-        .route("/v1/events", get(events::of_all))
-        // The server itself
-        .route("/healthz", get(server::health))
-        .route("/readyz", get(server::readiness))
-        .route("/openapi.json", get(server::contract))
-        // Everything else
+    let Routes { router, .. } = every_route();
+    router
         .fallback(no_such_path)
         .method_not_allowed_fallback(no_such_method)
         .layer(middleware::from_fn_with_state(app.deadlines, deadline::keep))
         .layer(CatchPanicLayer::custom(panicked))
         .with_state(app)
+}
+
+fn every_route() -> Routes {
+    Routes::default()
+        // Robots, their tasks, the hot path and the stop
+        .at(endpoint::LIST_ROBOTS, robots::list)
+        .at(endpoint::PUT_ROBOT, robots::put)
+        .at(endpoint::GET_ROBOT, robots::get)
+        .at(endpoint::DELETE_ROBOT, robots::delete)
+        .at(endpoint::PUT_TASK, tasks::put)
+        .at(endpoint::GET_TASK, tasks::get)
+        .at(endpoint::DELETE_TASK, tasks::delete)
+        .at(endpoint::STEP, control::step)
+        .at(endpoint::STOP_ROBOT, control::stop)
+        .at(endpoint::RESUME_ROBOT, control::resume)
+        .at(endpoint::STOP_ALL, control::stop_all)
+        .at(endpoint::RESUME_ALL, control::resume_all)
+        // What is identified, and what happens
+        .at(endpoint::GET_ENVIRONMENT, environment::get)
+        .at(endpoint::RESET_ENVIRONMENT, environment::reset)
+        .at(endpoint::ROBOT_EVENTS, events::of_robot)
+        .at(endpoint::EVENTS, events::of_all)
+        // Priors and simulated environments by name
+        .at(endpoint::LIST_PRIORS, priors::list)
+        .at(endpoint::PUT_PRIOR, priors::put)
+        .at(endpoint::GET_PRIOR, priors::get)
+        .at(endpoint::DELETE_PRIOR, priors::delete)
+        .at(endpoint::LIST_TRAINING_ENVIRONMENTS, environments::list)
+        .at(endpoint::PUT_TRAINING_ENVIRONMENT, environments::put)
+        .at(endpoint::GET_TRAINING_ENVIRONMENT, environments::get)
+        .at(endpoint::DELETE_TRAINING_ENVIRONMENT, environments::delete)
+        // Evolutions: priors searched for in the background
+        .at(endpoint::SUBMIT_EVOLUTION, evolutions::submit)
+        .at(endpoint::LIST_EVOLUTIONS, jobs::list::<Evolution>)
+        .at(endpoint::GET_EVOLUTION, jobs::get::<Evolution>)
+        .at(endpoint::DELETE_EVOLUTION, jobs::delete::<Evolution>)
+        .at(endpoint::CANCEL_EVOLUTION, jobs::cancel::<Evolution>)
+        .at(endpoint::LIST_GENERATIONS, evolutions::generations)
+        .at(endpoint::EVOLUTION_EVENTS, jobs::events::<Evolution>)
+        .at(endpoint::EVOLUTION_FIGURE, evolutions::figure)
+        // Comparisons: methods on the same seeds, in the background
+        .at(endpoint::SUBMIT_COMPARISON, comparisons::submit)
+        .at(endpoint::LIST_COMPARISONS, jobs::list::<Comparison>)
+        .at(endpoint::GET_COMPARISON, jobs::get::<Comparison>)
+        .at(endpoint::DELETE_COMPARISON, jobs::delete::<Comparison>)
+        .at(endpoint::CANCEL_COMPARISON, jobs::cancel::<Comparison>)
+        .at(endpoint::COMPARISON_EVENTS, jobs::events::<Comparison>)
+        .at(endpoint::COMPARISON_FIGURE, comparisons::figure)
+        .at(endpoint::COMPARISON_TRIALS, comparisons::trials)
+        .at(endpoint::COMPARISON_REPORT, comparisons::report)
+        // The server itself
+        .at(endpoint::HEALTH, server::health)
+        .at(endpoint::READINESS, server::readiness)
+        .at(endpoint::CONTRACT, server::contract)
+}
+
+/// The routes so far. Only what the contract has can be one.
+#[derive(Default)]
+struct Routes {
+    router: Router<App>,
+    served: Vec<Operation>,
+}
+
+impl Routes {
+    /// Serves an endpoint by `handler`.
+    fn at<B, A, T: 'static>(
+        mut self,
+        endpoint: Endpoint<B, A>,
+        handler: impl Handler<T, App>,
+    ) -> Self {
+        let operation = endpoint.operation();
+        let method = match operation.method {
+            Method::Get => get(handler),
+            Method::Put => put(handler),
+            Method::Post => post(handler),
+            Method::Delete => delete(handler),
+        };
+        self.router = self.router.route(operation.path, method);
+        self.served.push(operation);
+        self
+    }
 }
 
 async fn no_such_path(request: Request) -> Failure {
@@ -112,4 +144,18 @@ fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("nothing");
     tracing::error!(panic = said, "a route panicked");
     failure::internal("the server made a mistake; its log says which").into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Guards against an endpoint that the contract has and the server has not.
+    #[test]
+    fn every_endpoint_of_the_contract_is_served() {
+        let served: BTreeSet<_> = every_route().served.iter().map(ToString::to_string).collect();
+        let contract: BTreeSet<_> = endpoint::all().map(ToString::to_string).collect();
+        assert_eq!(served, contract);
+    }
 }

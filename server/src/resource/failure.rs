@@ -1,5 +1,6 @@
 //! Everything that goes wrong with a resource, whoever asked for it: one type from the store up to the answer.
 
+use umwelt_api::endpoint::{LIST_ROBOTS, PUT_ROBOT, PUT_TASK};
 use umwelt_api::problem::{Detail, Problem, Problems, Status, reason};
 use umwelt_api::{InvalidId, RobotId};
 
@@ -75,7 +76,8 @@ pub(crate) fn no_such(what: &str, name: &str) -> Failure {
 }
 
 pub(crate) fn no_such_robot(robot: &RobotId) -> Failure {
-    let remedy = "describe it: PUT /v1/robots/{robot}, or list those there are: GET /v1/robots";
+    let (put, list) = (PUT_ROBOT.operation(), LIST_ROBOTS.operation());
+    let remedy = format!("describe it: {put}, or list those there are: {list}");
     Failure::new(Status::NotFound, format!("there is no robot {robot}")).with(Detail::new(
         reason::NO_SUCH_RESOURCE,
         "robot",
@@ -85,7 +87,7 @@ pub(crate) fn no_such_robot(robot: &RobotId) -> Failure {
 }
 
 pub(crate) fn no_task(robot: &RobotId) -> Failure {
-    let remedy = "set one: PUT /v1/robots/{robot}/task";
+    let remedy = format!("set one: {}", PUT_TASK.operation());
     Failure::new(Status::NotFound, format!("robot {robot} has no task")).with(Detail::new(
         reason::NO_SUCH_RESOURCE,
         "task",

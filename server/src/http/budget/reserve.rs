@@ -7,6 +7,7 @@ use axum::extract::Request;
 use axum::http::{HeaderValue, Method, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
+use umwelt_api::endpoint::{HEALTH, Operation, READINESS, STOP_ALL, STOP_ROBOT};
 
 /// `router` for the places that are reserved: everything else is told that there are `limit` connections already.
 pub(crate) fn reserved(router: Router, limit: usize) -> Router {
@@ -29,13 +30,10 @@ fn leave(response: &mut Response) {
 
 /// Whether a request is one for which places are reserved: a stop, of one or of all robots, health or readiness.
 fn is_reserved(method: &Method, path: &str) -> bool {
-    let is_stop = || {
-        let robot = path.strip_prefix("/v1/robots/").and_then(|rest| rest.strip_suffix("/stop"));
-        path == "/v1/stop" || robot.is_some_and(|robot| !robot.contains('/'))
-    };
+    let is = |operation: Operation| operation.matches(path);
     match *method {
-        Method::POST => is_stop(),
-        Method::GET | Method::HEAD => matches!(path, "/healthz" | "/readyz"),
+        Method::POST => is(STOP_ALL.operation()) || is(STOP_ROBOT.operation()),
+        Method::GET | Method::HEAD => is(HEALTH.operation()) || is(READINESS.operation()),
         _ => false,
     }
 }

@@ -6,6 +6,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use std::sync::Arc;
+use umwelt_api::endpoint::BYTES;
 
 /// Which document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,12 +34,18 @@ impl Document {
         let mut response = if is_known(headers, &quoted) {
             StatusCode::NOT_MODIFIED.into_response()
         } else {
-            ([(header::CONTENT_TYPE, self.media_type)], self.bytes.clone()).into_response()
+            ([(header::CONTENT_TYPE, self.media_type(headers))], self.bytes.clone()).into_response()
         };
         if let Ok(etag) = HeaderValue::from_str(&quoted) {
             response.headers_mut().insert(header::ETAG, etag);
         }
         response
+    }
+
+    /// What it is called: by its own media type, or as bytes by who takes nothing but these.
+    fn media_type(&self, headers: &HeaderMap) -> &'static str {
+        let accepted = headers.get(header::ACCEPT).map(HeaderValue::as_bytes);
+        if accepted == Some(BYTES.as_bytes()) { BYTES } else { self.media_type }
     }
 }
 

@@ -27,9 +27,7 @@ use axum::response::{IntoResponse, Response};
 use std::net::IpAddr;
 use std::sync::Arc;
 use umwelt_api::Token;
-
-/// The path that says whether the server lives: it is open without a token, since what restarts a dead server has none.
-const LIVENESS: &str = "/healthz";
+use umwelt_api::endpoint::{self, Method::Get, Scope};
 
 /// Whom the guard lets through.
 #[derive(Debug)]
@@ -74,15 +72,19 @@ fn admit(rules: &Rules, request: &Request, is_preflight: bool) -> Result<(), Fai
     let own = host::check(rules.listen, &rules.hosts, request.uri(), headers)?;
     origin::check(&rules.origins, &own, method, headers)?;
     // A browser asks whether it may send a token before it sends it.
-    let is_open = is_preflight || is_liveness(request);
+    let is_open = is_preflight || is_open(request);
     if let Some(token) = rules.token.as_ref().filter(|_| !is_open) {
         token::check(token, headers)?;
     }
     origin::check_not_a_form(method, headers)
 }
 
-fn is_liveness(request: &Request) -> bool {
-    request.uri().path() == LIVENESS && matches!(*request.method(), Method::GET | Method::HEAD)
+/// Whether a request needs no token: one that asks whether the server lives, since what restarts a dead server has none.
+fn is_open(request: &Request) -> bool {
+    let (method, path) = (request.method(), request.uri().path());
+    let is_read = matches!(*method, Method::GET | Method::HEAD);
+    let mut open = endpoint::all().filter(|operation| operation.scope == Scope::Open);
+    open.any(|operation| is_read && operation.method == Get && operation.matches(path))
 }
 
 /// What every answer says: it is what its type says and nothing else, and it is not to be kept unless the route says

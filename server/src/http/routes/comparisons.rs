@@ -6,7 +6,7 @@ use super::jobs::{
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents::Name;
-use crate::http::extract::Body;
+use crate::http::extract::Json;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
@@ -30,16 +30,17 @@ use umwelt_lab::{csv, report};
 pub(crate) async fn submit(
     State(app): State<App>,
     headers: HeaderMap,
-    Body(body): Body<{ comparison::MAX_BODY }>,
+    body: Json<Request>,
 ) -> Result {
     let key = idempotency_key(&headers)?;
     to_the_end(async move {
         let mut submitting = app.comparisons.submitting().await;
-        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body))? {
+        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body.bytes))? {
             return Ok(answer);
         }
         // It takes the prior as it is now.
-        let (request, settings) = wire::comparison::read(&body, |name| app.priors.known(name))?;
+        let (request, settings) =
+            wire::comparison::read(&body.bytes, |name| app.priors.known(name))?;
         let prior = request.prior_name().parse()?;
         let submission = Submission { settings, key, request: etag::of(&request).to_string() };
         let job = submitting.submit(submission, |number| Ok((number, prior))).await?;

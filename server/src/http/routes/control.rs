@@ -7,12 +7,11 @@ use crate::http::app::App;
 use crate::http::extract::{Body, Known};
 use axum::extract::State;
 use axum::http::StatusCode;
-use umwelt_api::step::{MAX_BODY, Request};
+use umwelt_api::step::Request;
 use umwelt_api::stop::{Stop, StopAll};
 
 /// Observations in, horizon out.
-pub(crate) async fn step(Known(robot): Known, Body(body): Body<MAX_BODY>) -> Result {
-    let request = Request::read(&body)?;
+pub(crate) async fn step(Known(robot): Known, Body(request): Body<Request>) -> Result {
     let reply = robot.step(request.to_core(), request.epoch).await?;
     Ok(answer::json(StatusCode::OK, &*reply))
 }

@@ -15,16 +15,15 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use umwelt_api::EnvironmentId;
 use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_api::training::{self, Page, Spec};
+use umwelt_api::training::{Page, Spec};
 use umwelt_lab::wire;
 
 pub(crate) async fn put(
     State(app): State<App>,
     Environment(id): Environment,
     condition: Condition,
-    Body(body): Body<{ training::MAX_BODY }>,
+    Body(spec): Body<Spec>,
 ) -> Result {
-    let spec = Spec::read(&body)?;
     let environment = wire::training::environment(&spec, &id);
     to_the_end(async move {
         accepts_changes(&app)?;

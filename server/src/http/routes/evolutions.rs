@@ -7,7 +7,7 @@ use super::page::{self, Query};
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::extract::Body;
+use crate::http::extract::Json;
 use crate::jobs::evolution::claim;
 use crate::jobs::{Job, Jobs, Shown, Submission};
 use crate::resource::change::to_the_end;
@@ -32,18 +32,18 @@ const AT_A_TIME: usize = 50;
 pub(crate) async fn submit(
     State(app): State<App>,
     headers: HeaderMap,
-    Body(body): Body<{ evolution::MAX_BODY }>,
+    body: Json<Request>,
 ) -> Result {
     let key = idempotency_key(&headers)?;
     to_the_end(async move {
         // Until it is queued, nobody takes the name that its champion is to have.
         let _changing = app.priors.changing().await;
         let mut submitting = app.evolutions.submitting().await;
-        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body))? {
+        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body.bytes))? {
             return Ok(answer);
         }
         let known = |name: &str| app.environments.known(name);
-        let (request, settings) = wire::evolution::read(&body, known)?;
+        let (request, settings) = wire::evolution::read(&body.bytes, known)?;
         let prior = request.prior.as_deref().map(str::parse).transpose()?;
         let submission = Submission { settings, key, request: etag::of(&request).to_string() };
         let claim = |next| claim(&app.evolutions, &app.priors, prior, next);

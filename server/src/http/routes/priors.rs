@@ -22,9 +22,8 @@ pub(crate) async fn put(
     State(app): State<App>,
     Prior(id): Prior,
     condition: Condition,
-    Body(body): Body<{ prior::MAX_BODY }>,
+    Body(spec): Body<Spec>,
 ) -> Result {
-    let spec = Spec::read(&body)?;
     let prior = spec.to_core();
     to_the_end(async move {
         accepts_changes(&app)?;

@@ -4,7 +4,7 @@ use super::page::{self, Query, Robots};
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::extract::{Body, Id, Known};
+use crate::http::extract::{Id, Json, Known};
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::store::Kind;
@@ -12,18 +12,18 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use tokio::time::Instant;
 use umwelt_api::RobotId;
-use umwelt_api::robot::{self, Page, Spec};
+use umwelt_api::robot::{Page, Spec};
 
 pub(crate) async fn put(
     State(app): State<App>,
     Id(id): Id,
     condition: Condition,
-    Body(body): Body<{ robot::MAX_BODY }>,
+    body: Json<Spec>,
 ) -> Result {
     let (robot, put) = to_the_end(async move {
         // Until the robot has it, the prior of this name neither changes nor goes.
         let _giving = app.priors.giving().await;
-        let (spec, settings) = Spec::read_known(&body, |name| app.priors.known(name))?;
+        let (spec, settings) = Spec::read_known(&body.bytes, |name| app.priors.known(name))?;
         let prior = spec.prior.name().map(str::to_owned);
         app.fleet.put(id, settings, prior, condition).await
     })

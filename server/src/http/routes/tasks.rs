@@ -10,15 +10,15 @@ use crate::resource::condition::Condition;
 use crate::resource::failure::no_task;
 use axum::extract::State;
 use axum::http::StatusCode;
-use umwelt_api::task::{self, Spec};
+use umwelt_api::task::Spec;
 
 pub(crate) async fn put(
     State(app): State<App>,
     Known(robot): Known,
     condition: Condition,
-    Body(body): Body<{ task::MAX_BODY }>,
+    Body(spec): Body<Spec>,
 ) -> Result {
-    let task = Spec::read(&body)?.to_core();
+    let task = spec.to_core();
     let put = app.fleet.put_task(robot.clone(), task, condition).await?;
     show(&robot, code(put))
 }
