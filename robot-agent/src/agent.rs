@@ -149,7 +149,7 @@ impl<D: Drive> Agent<D> {
             replies: state.replies,
             connections: self.connections.opened(),
         };
-        info!(requests = report.requests, replies = report.replies, "at rest, ended");
+        info!(requests = report.requests, replies = report.replies, "agent ended, robot at rest");
         Ok(report)
     }
 

@@ -192,11 +192,11 @@ impl Robot {
             return;
         }
         match &reason {
-            Ok(Ended::Shutdown) => info!("told to end: ramping to rest"),
-            Ok(Ended::Duration) => info!("time is over: ramping to rest"),
-            Ok(Ended::NoMorePoses) => info!("no more poses come: ramping to rest"),
+            Ok(Ended::Shutdown) => info!("agent ends as asked: ramping to rest"),
+            Ok(Ended::Duration) => info!("agent ends, its time is over: ramping to rest"),
+            Ok(Ended::NoMorePoses) => info!("agent ends, no more poses come: ramping to rest"),
             // Who ran it says what went wrong.
-            Err(_) => warn!("it cannot go on: ramping to rest"),
+            Err(_) => warn!("agent cannot go on: ramping to rest"),
         }
         self.actuation.stop();
         self.upward.clear();
@@ -264,11 +264,11 @@ impl Robot {
         if self.state.stopped != reply.stopped {
             info!(
                 "{}",
-                if reply.stopped { "stopped by the server" } else { "resumed by the server" }
+                if reply.stopped { "robot stopped by the server" } else { "robot resumed by the server" }
             );
         }
         if self.state.stage != Some(reply.stage) {
-            info!(stage = ?reply.stage);
+            info!(stage = ?reply.stage, "robot goes on to another stage");
         }
         self.state.stopped = reply.stopped;
         self.state.stage = Some(reply.stage);
@@ -357,9 +357,9 @@ impl Robot {
         }
         self.connected = connected;
         if connected {
-            info!("connected");
+            info!("robot connected");
         } else {
-            warn!("no reply for {DISCONNECTED} s: the robot comes to rest by itself");
+            warn!("robot disconnected: no reply for {DISCONNECTED} s, it comes to rest by itself");
         }
     }
 

@@ -107,32 +107,32 @@ struct Wheels {
     track_width: f64,
 
     /// Largest speed of a wheel
-    #[arg(long, value_name = "RAD_PER_S", value_parser = positive, default_value_t = Drive::default().max_wheel_speed)]
+    #[arg(long, value_name = "RAD/S", value_parser = positive, default_value_t = Drive::default().max_wheel_speed)]
     max_wheel_speed: f64,
 
     /// Largest speed
-    #[arg(long, value_name = "M_PER_S", value_parser = positive, default_value_t = Drive::default().max_linear)]
+    #[arg(long, value_name = "M/S", value_parser = positive, default_value_t = Drive::default().max_linear)]
     max_speed: f64,
 
     /// Smallest speed at which the motors turn; a step up to it is no acceleration
-    #[arg(long, value_name = "M_PER_S", value_parser = not_negative, default_value_t = Drive::default().min_linear)]
+    #[arg(long, value_name = "M/S", value_parser = not_negative, default_value_t = Drive::default().min_linear)]
     min_speed: f64,
 
     /// Largest angular velocity
-    #[arg(long, value_name = "RAD_PER_S", value_parser = positive, default_value_t = Drive::default().max_angular)]
-    max_angular: f64,
+    #[arg(long, alias = "max-angular", value_name = "RAD/S", value_parser = positive, default_value_t = Drive::default().max_angular)]
+    max_turn: f64,
 
     /// Smallest angular velocity at which the motors turn
-    #[arg(long, value_name = "RAD_PER_S", value_parser = not_negative, default_value_t = Drive::default().min_angular)]
-    min_angular: f64,
+    #[arg(long, alias = "min-angular", value_name = "RAD/S", value_parser = not_negative, default_value_t = Drive::default().min_angular)]
+    min_turn: f64,
 
     /// Largest acceleration
-    #[arg(long, value_name = "M_PER_S2", value_parser = positive, default_value_t = Drive::default().max_linear_acceleration)]
+    #[arg(long, value_name = "M/S^2", value_parser = positive, default_value_t = Drive::default().max_linear_acceleration)]
     max_acceleration: f64,
 
     /// Largest angular acceleration
-    #[arg(long, value_name = "RAD_PER_S2", value_parser = positive, default_value_t = Drive::default().max_angular_acceleration)]
-    max_angular_acceleration: f64,
+    #[arg(long, alias = "max-angular-acceleration", value_name = "RAD/S^2", value_parser = positive, default_value_t = Drive::default().max_angular_acceleration)]
+    max_turn_acceleration: f64,
 }
 
 #[derive(Debug, Args)]
@@ -166,12 +166,12 @@ struct SimOptions {
     slip: Option<Slip>,
 
     /// Standard deviation of the camera's x and y [default: 0.0005]
-    #[arg(long, value_name = "M", value_parser = not_negative)]
-    noise_position: Option<f64>,
+    #[arg(long, alias = "noise-position", value_name = "M", value_parser = not_negative)]
+    position_noise: Option<f64>,
 
     /// Standard deviation of the camera's heading [default: 0.003]
-    #[arg(long, value_name = "RAD", value_parser = not_negative)]
-    noise_heading: Option<f64>,
+    #[arg(long, alias = "noise-heading", value_name = "RAD", value_parser = not_negative)]
+    heading_noise: Option<f64>,
 
     /// Time constant with which the wheels follow [default: 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
@@ -232,8 +232,8 @@ impl Options {
             },
             slip: sim.slip.unwrap_or_default(),
             noise: PoseNoise {
-                position: sim.noise_position.unwrap_or(PoseNoise::CAMERA.position),
-                heading: sim.noise_heading.unwrap_or(PoseNoise::CAMERA.heading),
+                position: sim.position_noise.unwrap_or(PoseNoise::CAMERA.position),
+                heading: sim.heading_noise.unwrap_or(PoseNoise::CAMERA.heading),
             },
         };
         let sensor_delay = config.link.as_ref().map_or(SENSOR_DELAY, |link| link.sensor_delay);
@@ -255,8 +255,8 @@ impl Options {
             link,
             seed,
             slip,
-            noise_position,
-            noise_heading,
+            position_noise,
+            heading_noise,
             lag,
             dead_time,
             start,
@@ -269,8 +269,8 @@ impl Options {
                     ("--link", link.is_some()),
                     ("--seed", seed.is_some()),
                     ("--slip", slip.is_some()),
-                    ("--noise-position", noise_position.is_some()),
-                    ("--noise-heading", noise_heading.is_some()),
+                    ("--position-noise", position_noise.is_some()),
+                    ("--heading-noise", heading_noise.is_some()),
                     ("--lag", lag.is_some()),
                     ("--dead-time", dead_time.is_some()),
                     ("--start", start.is_some()),
@@ -288,10 +288,9 @@ impl Options {
 
 impl Wheels {
     fn drive(&self) -> Result<Drive, String> {
-        for (small, large, what) in [
-            (self.min_speed, self.max_speed, "speed"),
-            (self.min_angular, self.max_angular, "angular"),
-        ] {
+        for (small, large, what) in
+            [(self.min_speed, self.max_speed, "speed"), (self.min_turn, self.max_turn, "turn")]
+        {
             if small > large {
                 return Err(format!("--min-{what} {small} is larger than --max-{what} {large}"));
             }
@@ -302,10 +301,10 @@ impl Wheels {
             max_wheel_speed: self.max_wheel_speed,
             max_linear: self.max_speed,
             min_linear: self.min_speed,
-            max_angular: self.max_angular,
-            min_angular: self.min_angular,
+            max_angular: self.max_turn,
+            min_angular: self.min_turn,
             max_linear_acceleration: self.max_acceleration,
-            max_angular_acceleration: self.max_angular_acceleration,
+            max_angular_acceleration: self.max_turn_acceleration,
             lag: 0.0,
             dead_time: 0.0,
         })

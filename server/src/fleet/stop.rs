@@ -104,7 +104,7 @@ impl Fleet {
     ) -> Result<Vec<Arc<Robot>>, Failure> {
         let overtaken = self.keep_and_resume(&robots, arrival).await?;
         // It holds already; that it shows when it is answered is a courtesy.
-        let shown = robots.iter().map(|robot| robot.tell(Command::Obey));
+        let shown = robots.iter().map(|robot| robot.tell(Command::Look));
         let _ = timeout(SHOW, join_all(shown)).await;
         Ok(overtaken)
     }

@@ -41,7 +41,7 @@ pub(crate) struct Settings {
 }
 
 /// Lets connections in.
-pub(crate) struct Door {
+pub(crate) struct Acceptor {
     router: Router,
     reserved_router: Router,
     builder: Arc<Builder<TokioExecutor>>,
@@ -53,7 +53,7 @@ pub(crate) struct Door {
     control_frames_per_s: u32,
 }
 
-impl Door {
+impl Acceptor {
     pub(crate) fn new(settings: Settings, router: Router) -> Self {
         let Settings { connections, reserved, max_streams, control_frames_per_s, .. } = settings;
         let reserve = Limits { overall: reserved, per_peer: reserved.div_ceil(RESERVED_SHARE) };
@@ -77,7 +77,7 @@ impl Door {
                 Ok((stream, address)) => self.admit(stream, Peer::of(address.ip())),
                 Err(error) if is_of_connection(&error) => {}
                 Err(error) => {
-                    tracing::error!(%error, "no connection can be accepted");
+                    tracing::error!(%error, "cannot accept connections");
                     tokio::time::sleep(OUT_OF_SOCKETS).await;
                 }
             }

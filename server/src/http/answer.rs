@@ -28,7 +28,7 @@ pub(crate) fn json(code: StatusCode, content: &impl Serialize) -> Response {
             response
         }
         Err(error) => {
-            tracing::error!(%error, "an answer could not be written");
+            tracing::error!(%error, "cannot write answer");
             failure::internal("the answer could not be written").into_response()
         }
     }

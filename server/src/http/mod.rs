@@ -1,5 +1,6 @@
 //! The server as HTTP has it: who may ask, what is read, what is answered, and what one peer may use.
 
+pub(crate) mod acceptor;
 pub(crate) mod answer;
 pub(crate) mod app;
 pub(crate) mod budget;
@@ -7,7 +8,6 @@ mod condition;
 pub(crate) mod connection;
 pub(crate) mod deadline;
 pub(crate) mod documents;
-pub(crate) mod door;
 mod extract;
 mod frames;
 pub(crate) mod guard;

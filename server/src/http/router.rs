@@ -142,7 +142,7 @@ async fn no_such_method(request: Request) -> Failure {
 fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let said = panic.downcast_ref::<String>().map(String::as_str);
     let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("nothing");
-    tracing::error!(panic = said, "a route panicked");
+    tracing::error!(panic = said, "route panicked");
     failure::internal("the server made a mistake; its log says which").into_response()
 }
 

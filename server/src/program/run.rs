@@ -58,7 +58,7 @@ fn run(arguments: &Serve) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            tracing::error!(%error, "failed");
+            tracing::error!(%error, "server failed");
             ExitCode::FAILURE
         }
     }
@@ -127,12 +127,12 @@ fn end_after(longest: Duration) {
         std::thread::sleep(longest);
         tracing::error!(
             seconds = longest.as_secs_f64(),
-            "the server does not end by itself: ended"
+            "server does not end by itself: ended"
         );
         std::process::exit(1);
     });
     if let Err(error) = watching {
-        tracing::warn!(%error, "nothing ends the server where it does not end by itself");
+        tracing::warn!(%error, "cannot watch over the end of the server");
     }
 }
 

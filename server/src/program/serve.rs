@@ -8,7 +8,7 @@ use crate::http::budget::{self, Bodies, Limits as Budget, Streams};
 use crate::http::connection::Times;
 use crate::http::deadline::Deadlines;
 use crate::http::documents::Documents;
-use crate::http::door::{self, Door};
+use crate::http::acceptor::{self, Acceptor};
 use crate::http::guard::Rules;
 use crate::http::router::router;
 use crate::jobs::{Jobs, Limits};
@@ -157,19 +157,19 @@ impl Server {
     /// None so far; a server that cannot go on will say why.
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> io::Result<()> {
         let Self { config, app, router, listener, .. } = self;
-        let door = Door::new(connections(&config), router);
+        let acceptor = Acceptor::new(connections(&config), router);
         let tidying = tokio::spawn(memory::give_back_what_is_free());
         tokio::select! {
-            () = door.accept(&listener) => {}
+            () = acceptor.accept(&listener) => {}
             () = shutdown => {}
         }
         tidying.abort();
-        tracing::info!("shutting down: robots are told to rest");
+        tracing::info!("server shuts down: robots are told to rest");
         // What runs goes on after the restart; the robots that are told to rest need the cores now.
         app.evolutions.close();
         app.comparisons.close();
         tokio::select! {
-            () = door.accept(&listener) => {}
+            () = acceptor.accept(&listener) => {}
             drained = tokio::time::timeout(config.drain, app.fleet.drain()) => {
                 if drained.is_err() {
                     tracing::warn!("not every robot has fetched a stopping horizon; they stop by themselves");
@@ -187,15 +187,15 @@ impl Server {
         }
         drop(listener);
         app.closing.send_replace(true);
-        if timeout_at(end, door.close()).await.is_err() {
-            tracing::warn!("some connections did not end in time");
+        if timeout_at(end, acceptor.close()).await.is_err() {
+            tracing::warn!("connections did not end in time");
         }
         let jobs = async { tokio::join!(app.evolutions.closed(), app.comparisons.closed()) };
         if timeout_at(end, jobs).await.is_err() {
-            tracing::warn!("a job did not stop in time; it goes on from its last checkpoint");
+            tracing::warn!("job did not stop in time; it goes on from its last checkpoint");
         }
         if timeout_at(end, app.keeper.settle()).await.is_err() {
-            tracing::warn!("the store does not answer; what it has acknowledged is kept");
+            tracing::warn!("store does not answer; what it has acknowledged is kept");
         }
         Ok(())
     }
@@ -212,8 +212,8 @@ fn rules(config: &Config) -> Rules {
 }
 
 /// What is set about connections.
-fn connections(config: &Config) -> door::Settings {
-    door::Settings {
+fn connections(config: &Config) -> acceptor::Settings {
+    acceptor::Settings {
         connections: Budget {
             overall: config.max_connections,
             per_peer: config.max_connections_per_peer,

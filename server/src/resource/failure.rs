@@ -119,7 +119,7 @@ pub(crate) fn limit_reached(what: &str, limit: usize) -> Failure {
 
 /// A call that was made elsewhere has panicked.
 pub(crate) fn broken(error: &tokio::task::JoinError) -> Failure {
-    tracing::error!(%error, "a change broke off");
+    tracing::error!(%error, "change broke off");
     internal("the change broke off; the log says why")
 }
 

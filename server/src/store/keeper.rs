@@ -76,7 +76,7 @@ impl Keeper {
     /// Tidies the store up before the process ends.
     pub(crate) async fn settle(&self) {
         if let Err(failure) = self.read(|store| store.settle()).await {
-            tracing::warn!(?failure, "the store could not be tidied up; nothing is lost");
+            tracing::warn!(?failure, "cannot tidy up store; nothing is lost");
         }
     }
 
@@ -132,9 +132,9 @@ impl Keeper {
         self.0.health.send_modify(|health| {
             match (&health.fault, &fault) {
                 (None, Some(fault)) => {
-                    tracing::error!(%fault, "nothing can be kept now; robots that drive go on driving");
+                    tracing::error!(%fault, "cannot write to store; robots that drive go on driving");
                 }
-                (Some(_), None) => tracing::info!("the store works again"),
+                (Some(_), None) => tracing::info!("store works again"),
                 _ => {}
             }
             *health = Health { since: Instant::now(), fault };

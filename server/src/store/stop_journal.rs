@@ -171,14 +171,14 @@ pub(crate) fn open(directory: &Path) -> io::Result<(Option<StopJournal>, Words)>
             if words.is_damaged {
                 tracing::error!(
                     file = %path.display(),
-                    "the journal of stops is damaged: all robots rest until they are resumed"
+                    "journal of stops damaged: all robots rest until they are resumed"
                 );
             }
             return Ok((Some(journal), words));
         }
         Err(error) => error,
     };
-    tracing::error!(file = %path.display(), %error, "stops are kept by the store alone");
+    tracing::error!(file = %path.display(), %error, "cannot open journal of stops: the store alone keeps them");
     match std::fs::read(&path) {
         Ok(text) => Ok((None, Words::read(&text))),
         Err(missing) if missing.kind() == io::ErrorKind::NotFound => Ok((None, Words::default())),

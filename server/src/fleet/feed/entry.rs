@@ -66,7 +66,7 @@ impl Entry {
         self.written.get_or_init(|| {
             let event = self.event();
             written(&event).unwrap_or_else(|error| {
-                tracing::error!(id = self.id, %error, "an event could not be written");
+                tracing::error!(id = self.id, %error, "cannot write event");
                 Bytes::new()
             })
         })

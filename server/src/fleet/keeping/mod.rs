@@ -67,8 +67,8 @@ impl Fleet {
                     self.0.behind.notify_one();
                     return true;
                 }
-                Ok(Err(error)) => tracing::error!(%error, "the journal of stops cannot be written"),
-                Err(_) => tracing::error!("the disk does not answer: a stop is not kept yet"),
+                Ok(Err(error)) => tracing::error!(%error, "cannot write journal of stops"),
+                Err(_) => tracing::error!("cannot keep a stop yet: the disk does not answer"),
             }
         }
         self.0.behind.notify_one();
@@ -82,7 +82,7 @@ impl Fleet {
         if !kept {
             tracing::warn!(
                 robots = count,
-                "stopped, but that is not kept yet: a restart now would let them go on"
+                "robots stopped, but that is not kept yet: a restart now would let them go on"
             );
         }
         kept
@@ -118,7 +118,7 @@ impl Fleet {
                 Ok(overtaken)
             }
             Ok(Err(error)) if is_first => {
-                tracing::error!(%error, "the journal of stops cannot be written");
+                tracing::error!(%error, "cannot write journal of stops");
                 let done = self.resume_in_store(robots, &resting, arrival).await;
                 if done.is_err() {
                     self.stay(resting).await;
@@ -180,7 +180,7 @@ impl Fleet {
         self.mark(robots, arrival);
         let written = timeout(KEEP_RESUME, journal.append(entries(robots, Word::Resume, arrival)));
         if !matches!(written.await, Ok(Ok(()))) {
-            tracing::warn!(robot = %robot.id(), "removed; one of that name would begin stopped after a restart now");
+            tracing::warn!(robot = %robot.id(), "robot removed; one of that name would begin stopped after a restart now");
         }
         self.0.behind.notify_one();
     }
@@ -211,7 +211,7 @@ impl Fleet {
                 Ok(true) => {}
                 Ok(false) => return false,
                 Err(error) => {
-                    tracing::warn!(%error, "the journal of stops cannot be emptied");
+                    tracing::warn!(%error, "cannot empty journal of stops");
                     return false;
                 }
             }

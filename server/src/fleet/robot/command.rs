@@ -27,7 +27,7 @@ pub(crate) enum Command {
     /// Other settings or another task, kept under this revision.
     Change { change: RobotChange, revision: u64 },
     /// Look at the brake now: at the next step it looks anyway.
-    Obey,
+    Look,
     /// Forget what was learned.
     ResetEnvironment,
     /// Rest: the server shuts down.

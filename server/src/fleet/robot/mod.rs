@@ -5,9 +5,10 @@ mod change;
 mod clock;
 mod command;
 mod common;
+mod happening;
+mod log;
 mod pilot;
 mod refusal;
-mod saying;
 mod session;
 mod silence;
 mod snapshot;
@@ -143,7 +144,7 @@ impl Robot {
     /// Lets its task look at the brake soon, without waiting; with a full queue it looks anyway.
     fn look(&self) {
         let (done, _) = oneshot::channel();
-        let _ = self.queue.try_send(Event::Command { command: Command::Obey, done });
+        let _ = self.queue.try_send(Event::Command { command: Command::Look, done });
     }
 
     /// Whether its computation does not end.
@@ -264,7 +265,7 @@ impl Robot {
         if self.snapshot.borrow().is_removed() {
             return failure::no_such_robot(&self.id);
         }
-        tracing::error!(robot = %self.id, "the robot's task has died");
+        tracing::error!(robot = %self.id, "robot task died");
         failure::internal(format!("the task of robot {} has died", self.id)).with(Detail::new(
             reason::TASK_DIED,
             "robot",
@@ -347,7 +348,7 @@ mod tests {
         let robot = Robot::dead("r").await;
         let died = |failure: Failure| format!("{failure:?}").contains(reason::TASK_DIED);
         assert!(died(robot.step(request(), 7).await.unwrap_err()));
-        assert!(died(robot.tell(Command::Obey).await.unwrap_err()));
+        assert!(died(robot.tell(Command::Look).await.unwrap_err()));
         assert_eq!(robot.snapshot().state(), umwelt_api::robot::State::Lost);
         robot.drained().await;
     }

@@ -9,7 +9,8 @@ use super::clock::RobotClock;
 use super::command::Computation;
 use super::command::{Command, Event, StepResult};
 use super::common::Common;
-use super::saying::{kind, warn};
+use super::happening::kind;
+use super::log;
 use super::session::{Session, Verdict};
 use super::snapshot::{Assigned, Described, Snapshot};
 use super::stop_order::Arrival;
@@ -133,7 +134,7 @@ impl Pilot {
     }
 
     fn apply(&mut self, event: Event, now: Instant) -> ControlFlow<()> {
-        self.obey_brake();
+        self.follow_brake();
         match event {
             Event::Step { request, epoch, reply } => {
                 let result = self.step(&request, epoch, now);
@@ -142,8 +143,8 @@ impl Pilot {
                 let _ = reply.send(result);
             }
             Event::Command { command, done } => {
-                let flow = self.obey(command);
-                self.obey_brake();
+                let flow = self.handle_command(command);
+                self.follow_brake();
                 self.show();
                 let _ = done.send(());
                 return flow;
@@ -156,7 +157,7 @@ impl Pilot {
                 }
                 self.show();
                 if is_lost {
-                    self.publish(Kind::Link { state: State::Lost });
+                    self.say(Kind::Link { state: State::Lost });
                 }
             }
         }
@@ -164,7 +165,7 @@ impl Pilot {
     }
 
     /// Takes in what was said of stopping and going on since it looked last.
-    fn obey_brake(&mut self) {
+    fn follow_brake(&mut self) {
         let order = self.brake.order();
         if order.resumed() > self.resumed && !self.draining {
             self.resumed = order.resumed();
@@ -189,6 +190,7 @@ impl Pilot {
             Verdict::First | Verdict::Takeover => {
                 if verdict == Verdict::Takeover {
                     self.controller.restart_clock();
+                    log::taken_over(&self.id, epoch);
                 }
                 self.clock = RobotClock::beginning(request.sent);
                 self.publish(Kind::Epoch { epoch });
@@ -206,7 +208,7 @@ impl Pilot {
         self.shown.seen = Some(now);
         if self.shown.state != State::Connected {
             self.shown.state = State::Connected;
-            self.publish(Kind::Link { state: State::Connected });
+            self.say(Kind::Link { state: State::Connected });
         }
     }
 
@@ -227,12 +229,11 @@ impl Pilot {
         let output = self.controller.step(&request);
         let is_held = self.controller.is_held();
         if is_held != was_held {
-            self.publish(if is_held { Kind::Held } else { Kind::Released });
+            self.say(if is_held { Kind::Held } else { Kind::Released });
         }
         self.shown.drained |= self.draining;
         for event in output.events {
-            warn(&self.id, &event);
-            self.publish(kind(&event, &self.controller.progress(), self.clock));
+            self.say(kind(&event, &self.controller.progress(), self.clock));
         }
         if let Some(pose) = self.controller.pose().filter(|pose| Some(*pose) != seen) {
             let age = Duration::try_from_secs_f64(request.sent - pose.taken).unwrap_or_default();
@@ -258,7 +259,7 @@ impl Pilot {
         horizon
     }
 
-    fn obey(&mut self, command: Command) -> ControlFlow<()> {
+    fn handle_command(&mut self, command: Command) -> ControlFlow<()> {
         match command {
             Command::Change { change, revision } => {
                 change.apply(&mut self.controller);
@@ -270,7 +271,7 @@ impl Pilot {
                 self.publish(said);
             }
             // Before each event and after it, it looks.
-            Command::Obey => {}
+            Command::Look => {}
             Command::ResetEnvironment => self.controller.reset_environment(),
             Command::Drain => {
                 self.draining = true;
@@ -306,6 +307,12 @@ impl Pilot {
         self.snapshot.send_replace(Arc::new(shown.clone()));
     }
 
+    /// Publishes a change of the robot's own, and says it in the log.
+    fn say(&self, kind: Kind) {
+        log::change(&self.id, &kind);
+        self.publish(kind);
+    }
+
     fn publish(&self, what: impl Into<What>) {
         self.common.feed.publish(&self.ring, &self.id, what);
     }
@@ -332,7 +339,7 @@ fn controller(
         match Controller::restore(settings, task.clone(), stopped, saved) {
             Some(controller) => return controller,
             None => {
-                tracing::warn!(robot = %id, "what it learned is of other settings: it learns anew")
+                tracing::warn!(robot = %id, "robot learns anew: what it learned is of other settings")
             }
         }
     }

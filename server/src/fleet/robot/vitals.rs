@@ -26,7 +26,7 @@ impl Vitals {
         if !self.failed.send_replace(true) {
             tracing::error!(
                 robot = %self.id,
-                "the robot's computation does not end: it is shown as failed, its requests are refused; please report this"
+                "robot computation does not end: it is shown as failed, its requests are refused; please report this"
             );
             self.feed.publish(&self.ring, &self.id, Kind::Link { state: State::Failed });
         }
@@ -35,7 +35,7 @@ impl Vitals {
     /// It has ended after all.
     pub(super) fn recover(&self) {
         if self.failed.send_replace(false) {
-            tracing::warn!(robot = %self.id, "the robot's computation has ended after all: it goes on");
+            tracing::warn!(robot = %self.id, "robot computation ended after all: it goes on");
             self.feed.publish(&self.ring, &self.id, Kind::Link { state: State::Connected });
         }
     }

@@ -68,7 +68,7 @@ pub(super) struct Limits {
 
 /// A stream whose reader sees its end when the peer has been waited for long enough.
 #[derive(Debug)]
-pub(super) struct Patient<S> {
+pub(super) struct Timed<S> {
     stream: S,
     activity: Arc<Activity>,
     limits: Limits,
@@ -85,7 +85,7 @@ struct Wait {
     until: Instant,
 }
 
-impl<S> Patient<S> {
+impl<S> Timed<S> {
     pub(super) fn new(stream: S, activity: Arc<Activity>, limits: Limits) -> Self {
         Self { stream, activity, limits, wait: None, alarm: None }
     }
@@ -116,7 +116,7 @@ impl<S> Patient<S> {
     }
 }
 
-impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
+impl<S: AsyncRead + Unpin> AsyncRead for Timed<S> {
     fn poll_read(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -134,7 +134,7 @@ impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
     }
 }
 
-impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
+impl<S: AsyncWrite + Unpin> AsyncWrite for Timed<S> {
     fn poll_write(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -172,15 +172,15 @@ mod tests {
     const IDLE: Duration = Duration::from_secs(75);
     const HEADER: Duration = Duration::from_secs(10);
 
-    fn connection() -> (DuplexStream, Patient<DuplexStream>, Arc<Activity>) {
+    fn connection() -> (DuplexStream, Timed<DuplexStream>, Arc<Activity>) {
         let (peer, stream) = duplex(1024);
         let activity = Arc::new(Activity::default());
         let limits = Limits { idle: IDLE, header: HEADER };
-        (peer, Patient::new(stream, Arc::clone(&activity), limits), activity)
+        (peer, Timed::new(stream, Arc::clone(&activity), limits), activity)
     }
 
     /// Bytes that are read, and how long they were waited for.
-    async fn read(stream: &mut Patient<DuplexStream>) -> (usize, Duration) {
+    async fn read(stream: &mut Timed<DuplexStream>) -> (usize, Duration) {
         let begin = Instant::now();
         let mut buffer = [0; 64];
         (stream.read(&mut buffer).await.unwrap(), begin.elapsed())

@@ -5,7 +5,7 @@
 //! half-open connections are noticed; small replies leave at once. What a peer may have of all this is counted in
 //! `budget` and `frames`.
 
-mod patience;
+mod header_timeout;
 
 use crate::http::budget::Place;
 use crate::http::frames::Metered;
@@ -17,7 +17,7 @@ use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use hyper_util::server::conn::auto::Builder;
 use hyper_util::server::graceful::Watcher;
 use hyper_util::service::TowerToHyperService;
-use patience::{Activity, Limits, Patient};
+use header_timeout::{Activity, Limits, Timed};
 use socket2::{SockRef, TcpKeepalive};
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -68,7 +68,7 @@ pub(crate) fn builder(max_streams: u32) -> Builder<TokioExecutor> {
     builder
         .http1()
         .timer(TokioTimer::new())
-        // `patience` tells silence from a header that is late.
+        // `header_timeout` tells silence from a header that is late.
         .header_read_timeout(None)
         .max_buf_size(4 * MAX_HEADER);
     builder
@@ -103,7 +103,7 @@ pub(crate) async fn serve(
     let begun = Arc::clone(&has_begun);
     let activity = Arc::new(Activity::default());
     let limits = Limits { idle: times.idle + GRACE, header: times.first_request };
-    let stream = Patient::new(stream, Arc::clone(&activity), limits);
+    let stream = Timed::new(stream, Arc::clone(&activity), limits);
     let keep_alive = keep_alive(times.idle);
     let (peer, place_activity) = (place.peer(), Arc::clone(place.activity()));
     let service = service_fn(move |request: Request<_>| {

@@ -4,6 +4,7 @@ use crate::fleet::robot::Robot;
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
+use crate::http::budget::Peer;
 use crate::http::extract::{Body, Known};
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -16,26 +17,30 @@ pub(crate) async fn step(Known(robot): Known, Body(request): Body<Request>) -> R
     Ok(answer::json(StatusCode::OK, &*reply))
 }
 
-pub(crate) async fn stop(State(app): State<App>, Known(robot): Known) -> Result {
+pub(crate) async fn stop(State(app): State<App>, peer: Peer, Known(robot): Known) -> Result {
     let kept = app.fleet.stop(robot.clone()).await?;
-    Ok(told(&robot, true, kept))
+    tracing::info!(robot = %robot.id(), %peer, kept, "robot stopped");
+    Ok(shown(&robot, true, kept))
 }
 
-pub(crate) async fn resume(State(app): State<App>, Known(robot): Known) -> Result {
+pub(crate) async fn resume(State(app): State<App>, peer: Peer, Known(robot): Known) -> Result {
     app.fleet.resume(robot.clone()).await?;
-    Ok(told(&robot, false, true))
+    tracing::info!(robot = %robot.id(), %peer, "robot resumed");
+    Ok(shown(&robot, false, true))
 }
 
-pub(crate) async fn stop_all(State(app): State<App>) -> Result {
+pub(crate) async fn stop_all(State(app): State<App>, peer: Peer) -> Result {
     let (robots, kept) = app.fleet.stop_all().await?;
+    tracing::info!(robots, %peer, kept, "all robots stopped");
     Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: true, kept }))
 }
 
-pub(crate) async fn resume_all(State(app): State<App>) -> Result {
+pub(crate) async fn resume_all(State(app): State<App>, peer: Peer) -> Result {
     let robots = app.fleet.resume_all().await?;
+    tracing::info!(robots, %peer, "all robots resumed");
     Ok(answer::json(StatusCode::OK, &StopAll { robots, stopped: false, kept: true }))
 }
 
-fn told(robot: &Robot, stopped: bool, kept: bool) -> axum::response::Response {
+fn shown(robot: &Robot, stopped: bool, kept: bool) -> axum::response::Response {
     answer::json(StatusCode::OK, &Stop { robot: robot.id().clone(), stopped, kept })
 }

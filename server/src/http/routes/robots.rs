@@ -4,6 +4,7 @@ use super::page::{self, Query, Robots};
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
+use crate::http::budget::Peer;
 use crate::http::extract::{Id, Json, Known};
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
@@ -16,6 +17,7 @@ use umwelt_api::robot::{Page, Spec};
 
 pub(crate) async fn put(
     State(app): State<App>,
+    peer: Peer,
     Id(id): Id,
     condition: Condition,
     body: Json<Spec>,
@@ -28,6 +30,7 @@ pub(crate) async fn put(
         app.fleet.put(id, settings, prior, condition).await
     })
     .await?;
+    tracing::info!(robot = %robot.id(), %peer, "robot described");
     let snapshot = robot.snapshot();
     let shown = snapshot.robot(robot.id(), Instant::now());
     Ok(answer::versioned(code(put), snapshot.etag(), &shown))
@@ -39,11 +42,17 @@ pub(crate) async fn get(Known(robot): Known) -> Result {
     Ok(answer::versioned(StatusCode::OK, snapshot.etag(), &shown))
 }
 
-pub(crate) async fn delete(State(app): State<App>, Id(id): Id, condition: Condition) -> Result {
+pub(crate) async fn delete(
+    State(app): State<App>,
+    peer: Peer,
+    Id(id): Id,
+    condition: Condition,
+) -> Result {
     match app.fleet.find(&id) {
         Some(robot) => app.fleet.delete(robot, condition).await?,
-        None => app.fleet.give_up(id, condition).await?,
+        None => app.fleet.give_up(id.clone(), condition).await?,
     }
+    tracing::info!(robot = %id, %peer, "robot removed");
     Ok(answer::nothing())
 }
 

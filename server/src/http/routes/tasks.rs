@@ -5,6 +5,7 @@ use crate::fleet::robot::Robot;
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
+use crate::http::budget::Peer;
 use crate::http::extract::{Body, Known};
 use crate::resource::condition::Condition;
 use crate::resource::failure::no_task;
@@ -14,12 +15,15 @@ use umwelt_api::task::Spec;
 
 pub(crate) async fn put(
     State(app): State<App>,
+    peer: Peer,
     Known(robot): Known,
     condition: Condition,
     Body(spec): Body<Spec>,
 ) -> Result {
     let task = spec.to_core();
+    let waypoints = task.waypoints.len();
     let put = app.fleet.put_task(robot.clone(), task, condition).await?;
+    tracing::info!(robot = %robot.id(), %peer, waypoints, "task set");
     show(&robot, code(put))
 }
 
@@ -29,10 +33,13 @@ pub(crate) async fn get(Known(robot): Known) -> Result {
 
 pub(crate) async fn delete(
     State(app): State<App>,
+    peer: Peer,
     Known(robot): Known,
     condition: Condition,
 ) -> Result {
+    let id = robot.id().clone();
     app.fleet.delete_task(robot, condition).await?;
+    tracing::info!(robot = %id, %peer, "task cancelled");
     Ok(answer::nothing())
 }
 

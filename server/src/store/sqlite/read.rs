@@ -159,7 +159,7 @@ fn saved(robot: &str, version: u32, body: &str) -> Result<Option<Saved>, serde_j
         robot,
         version,
         current = STATE_VERSION,
-        "what it learned is of another version of this program: it learns anew"
+        "robot learns anew: what it learned is of another version of this program"
     );
     Ok(None)
 }
@@ -169,7 +169,7 @@ fn saved(robot: &str, version: u32, body: &str) -> Result<Option<Saved>, serde_j
 fn learn_anew(robot: &mut StoredRobot, damage: &Damage) {
     robot.record.stopped = true;
     let remedy = "it is stopped: resume it, and it learns anew and begins its task anew";
-    tracing::error!(robot = %robot.id, %damage, remedy, "what a robot has learned is damaged");
+    tracing::error!(robot = %robot.id, %damage, remedy, "cannot read what a robot has learned: damaged");
 }
 
 fn priors(connection: &Connection) -> rusqlite::Result<Rows<Result<StoredPrior, Unreadable>>> {

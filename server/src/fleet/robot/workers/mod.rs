@@ -211,7 +211,7 @@ impl Shared {
             && state.threads() < self.wanted + MOST_SPARE
             && let Err(error) = self.add_thread(state)
         {
-            tracing::error!(%error, "no thread can be started in place of one that is busy");
+            tracing::error!(%error, "cannot start a thread in place of one that is busy");
         }
     }
 

@@ -1,0 +1,37 @@
+//! What the log says of a robot: one line for every change of its own, with the field `robot`.
+//!
+//! Changes that people ask for are said where they ask (`http::routes`), with the field `peer`.
+
+use umwelt_api::RobotId;
+use umwelt_api::event::Kind;
+use umwelt_api::robot::State;
+
+/// Says what happened to a robot by itself.
+pub(super) fn change(robot: &RobotId, kind: &Kind) {
+    match kind {
+        Kind::Link { state: State::Connected } => tracing::info!(%robot, "robot connected"),
+        Kind::Link { state: State::Lost } => tracing::info!(%robot, "robot lost"),
+        Kind::Arrived { elapsed_s, max_deviation_m } => {
+            tracing::info!(%robot, elapsed_s, max_deviation_m, "robot arrived");
+        }
+        Kind::Held => tracing::info!(%robot, "robot holds by itself"),
+        Kind::Released => tracing::info!(%robot, "robot no longer holds by itself"),
+        Kind::Watch(found) if found.rests => {
+            let (state, seen, remedy) = (found.state.name(), &found.seen, &found.remedy);
+            tracing::warn!(%robot, state, seen, remedy, "watch stopped robot");
+        }
+        Kind::Watch(found) => {
+            let (state, seen, remedy) = (found.state.name(), &found.seen, &found.remedy);
+            tracing::warn!(%robot, state, seen, remedy, "watch found something");
+        }
+        Kind::WatchOver { state } => {
+            tracing::info!(%robot, state = state.name(), "watch released robot");
+        }
+        _ => {}
+    }
+}
+
+/// Says that an agent took over a robot that another one drove.
+pub(super) fn taken_over(robot: &RobotId, epoch: u64) {
+    tracing::info!(%robot, epoch, "robot taken over");
+}
