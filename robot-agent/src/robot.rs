@@ -264,7 +264,11 @@ impl Robot {
         if self.state.stopped != reply.stopped {
             info!(
                 "{}",
-                if reply.stopped { "robot stopped by the server" } else { "robot resumed by the server" }
+                if reply.stopped {
+                    "robot stopped by the server"
+                } else {
+                    "robot resumed by the server"
+                }
             );
         }
         if self.state.stage != Some(reply.stage) {

@@ -11,7 +11,7 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     ("umwelt-lab", &["umwelt-core", "umwelt-api"]),
     ("umwelt-memory", &[]),
     ("umwelt-server", &["umwelt-core", "umwelt-api", "umwelt-lab", "umwelt-memory"]),
-    ("umwelt-client", &["umwelt-core", "umwelt-api"]),
+    ("umwelt-client", &["umwelt-api"]),
     ("umwelt-agent", &["umwelt-core", "umwelt-client"]),
     (
         "umwelt-tests",

@@ -62,3 +62,14 @@ fn a_wrong_call_says_what_is_wrong() {
         assert!(said.contains(reason), "{arguments:?}: {said}");
     }
 }
+
+/// The names that these flags had before they were those of `umwelt robot add`.
+#[test]
+fn the_old_names_of_flags_are_taken_still() {
+    let new = ["--max-turn", "2", "--min-turn", "0.3", "--max-turn-acceleration", "4"];
+    let old = ["--max-angular", "2", "--min-angular", "0.3", "--max-angular-acceleration", "4"];
+    assert_eq!(plan(&new).unwrap().config.drive, plan(&old).unwrap().config.drive);
+    for flag in ["--position-noise", "--noise-position", "--heading-noise", "--noise-heading"] {
+        assert!(plan(&[flag, "0.001"]).is_ok(), "{flag}");
+    }
+}

@@ -125,10 +125,7 @@ async fn serve(config: Config) -> std::io::Result<()> {
 fn end_after(longest: Duration) {
     let watching = std::thread::Builder::new().name("last resort".to_owned()).spawn(move || {
         std::thread::sleep(longest);
-        tracing::error!(
-            seconds = longest.as_secs_f64(),
-            "server does not end by itself: ended"
-        );
+        tracing::error!(seconds = longest.as_secs_f64(), "server does not end by itself: ended");
         std::process::exit(1);
     });
     if let Err(error) = watching {

@@ -3,12 +3,12 @@
 use crate::fleet::feed::Feed;
 use crate::fleet::robot::{Common, Workers};
 use crate::fleet::{Fleet, Stops};
+use crate::http::acceptor::{self, Acceptor};
 use crate::http::app::App;
 use crate::http::budget::{self, Bodies, Limits as Budget, Streams};
 use crate::http::connection::Times;
 use crate::http::deadline::Deadlines;
 use crate::http::documents::Documents;
-use crate::http::acceptor::{self, Acceptor};
 use crate::http::guard::Rules;
 use crate::http::router::router;
 use crate::jobs::{Jobs, Limits};

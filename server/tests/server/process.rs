@@ -124,3 +124,42 @@ async fn who_may_ask_can_be_said_in_the_environment() {
     }
     assert_eq!(end(child, "-TERM").status.code(), Some(0));
 }
+
+/// Guards against a change of a robot that the log does not tell, or tells twice.
+#[tokio::test]
+async fn every_change_of_a_robot_is_one_line_of_the_log() {
+    let arguments = ["serve", "--listen", "127.0.0.1:0", "--in-memory", "--log", "info"];
+    let (child, address) = start(program(&arguments));
+    let ask = async |method: &str, path: &str, body: &str| {
+        let answer = request(address, method, &format!("/v1/robots/rover-7{path}"), body).await;
+        assert!(answer.starts_with("HTTP/1.1 20"), "{method} {path}: {answer}");
+    };
+    let step = |epoch| format!(r#"{{"sequence":1,"epoch":{epoch},"sent_s":1.0}}"#);
+    ask("PUT", "", "{}").await;
+    ask("PUT", "/task", r#"{"waypoints":[{"x_m":1.0,"y_m":0.0}]}"#).await;
+    ask("POST", "/step", &step(1)).await;
+    ask("POST", "/step", &step(2)).await;
+    ask("POST", "/stop", "").await;
+    ask("POST", "/resume", "").await;
+    ask("DELETE", "/task", "").await;
+    ask("POST", "/environment/reset", "").await;
+    ask("DELETE", "", "").await;
+    let log = String::from_utf8(end(child, "-TERM").stderr).unwrap();
+    let of_robot: Vec<_> = log.lines().filter(|line| line.contains("robot=rover-7")).collect();
+    let told = [
+        ("robot described", true),
+        ("task set", true),
+        ("robot connected", false),
+        ("robot taken over", false),
+        ("robot stopped", true),
+        ("robot resumed", true),
+        ("task cancelled", true),
+        ("environment reset", true),
+        ("robot removed", true),
+    ];
+    assert_eq!(of_robot.len(), told.len(), "{log}");
+    for (line, (words, has_peer)) in of_robot.iter().zip(told) {
+        assert!(line.contains("INFO") && line.contains(words), "{words}: {line}");
+        assert_eq!(line.contains("peer=127.0.0.1"), has_peer, "{line}");
+    }
+}
