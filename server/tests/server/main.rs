@@ -21,7 +21,6 @@ mod process;
 mod recovery;
 mod request_log;
 mod robots;
-mod rooms;
 mod shutdown;
 mod sockets;
 mod steps;

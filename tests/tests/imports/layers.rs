@@ -6,8 +6,23 @@ use crate::graph::{Graph, line};
 /// `src`; they may import each other and what is in lower layers. A file belongs to the longest entry that it begins with.
 pub type Layers<'a> = &'a [&'a [&'a str]];
 
-/// The packages whose layers are known, and those.
-pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE), ("umwelt-lab", LAB)];
+/// The layers of every package.
+pub const LAYERS: &[(&str, Layers)] = &[
+    ("umwelt-core", CORE),
+    ("umwelt-api", API),
+    ("umwelt-lab", LAB),
+    ("umwelt-server", SERVER),
+    ("umwelt-memory", &[&["lib.rs"]]),
+    ("umwelt-client", CLIENT),
+    ("umwelt-agent", AGENT),
+    ("umwelt-tests", TESTS),
+];
+
+/// What only files in these folders of a package name: crates that stand for a subject.
+pub const SUBJECTS: &[(&str, &[&str], &[&str])] = &[
+    ("umwelt-server", &["axum", "hyper_util", "tower_http"], &["http/", "program/", "lib.rs"]),
+    ("umwelt-api", &["umwelt_core"], &["conversion/", "built_in.rs", "training/simulator.rs"]),
+];
 
 const CORE: Layers = &[
     &["robot/geometry/"],
@@ -38,6 +53,51 @@ const LAB: Layers = &[
     &["offline/"],
     &["lib.rs"],
 ];
+
+const API: Layers = &[
+    &["visible.rs", "named.rs", "number.rs"],
+    &["problem/"],
+    &["check.rs", "checked.rs", "id.rs", "idempotency.rs", "token.rs"],
+    &["body/", "page.rs", "built_in.rs"],
+    &["robot/", "task.rs", "step/", "stop.rs", "watch.rs", "environment.rs", "event.rs"],
+    &["endpoint/", "conversion/"],
+    &["document/"],
+    &["lib.rs"],
+];
+
+const SERVER: Layers = &[
+    &["resource/"],
+    &["store/"],
+    &["library/"],
+    &["fleet/"],
+    &["jobs/"],
+    &["http/"],
+    &["program/"],
+    &["lib.rs"],
+    &["main.rs"],
+];
+
+const CLIENT: Layers = &[
+    &["error.rs", "address.rs", "token.rs"],
+    &["call.rs", "connection.rs", "retry.rs", "pages.rs", "sse.rs"],
+    &["step.rs"],
+    &["client.rs"],
+    &["lib.rs"],
+    &["cli/"],
+    &["main.rs"],
+];
+
+const AGENT: Layers = &[
+    &["clock.rs", "throttle.rs", "log.rs", "report.rs"],
+    &["drive/", "transport.rs", "restraint.rs"],
+    &["robot.rs"],
+    &["agent.rs"],
+    &["options/"],
+    &["lib.rs"],
+    &["main.rs"],
+];
+
+const TESTS: Layers = &[&["data.rs"], &["faults/"], &["lib.rs"]];
 
 /// The imports from a file by one of a higher layer, one line each.
 pub fn upward(graph: &Graph, layers: Layers) -> Vec<String> {

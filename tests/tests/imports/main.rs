@@ -69,7 +69,7 @@ fn no_import_points_to_a_higher_layer() {
     for package in package::all() {
         let of_package = layers::LAYERS.iter().find(|(name, _)| *name == package.name);
         let Some((_, layers)) = of_package else {
-            println!("{:14} has no layers yet", package.name);
+            wrong.push(format!("{}: has no layers", package.name));
             continue;
         };
         let homeless =
@@ -78,6 +78,24 @@ fn no_import_points_to_a_higher_layer() {
         let upward = layers::upward(&package.graph, layers);
         println!("{:14} {:3} layers {:3} upward imports", package.name, layers.len(), upward.len());
         wrong.extend(upward);
+    }
+    nothing_of(wrong);
+}
+
+#[test]
+fn a_crate_that_stands_for_a_subject_is_named_where_that_belongs() {
+    let mut wrong = Vec::new();
+    for package in package::all() {
+        for (_, crates, homes) in layers::SUBJECTS.iter().filter(|it| it.0 == package.name) {
+            let elsewhere = package.production.iter().filter(|file| {
+                !homes.iter().any(|home| file.as_str() == *home || file.starts_with(*home))
+            });
+            for file in elsewhere {
+                let code = package.code(file);
+                let named = crates.iter().filter(|name| code.contains(&format!("{name}::")));
+                wrong.extend(named.map(|name| format!("{}: {file} names {name}", package.name)));
+            }
+        }
     }
     nothing_of(wrong);
 }

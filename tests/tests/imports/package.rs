@@ -46,6 +46,12 @@ impl Package {
         package
     }
 
+    /// The code of a file, without the tests at its end and without comments.
+    pub fn code(&self, file: &str) -> String {
+        let text = self.files[file].split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        text.lines().filter(|line| !line.trim_start().starts_with("//")).collect()
+    }
+
     /// The lines of a file.
     pub fn lines(&self, file: &str) -> usize {
         self.files[file].lines().count()
