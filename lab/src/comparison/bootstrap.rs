@@ -1,7 +1,7 @@
 //! Intervals by the bootstrap: trials are drawn again, for all contenders the same ones, so that what is paired stays
 //! paired (Efron & Tibshirani 1993, percentile intervals).
 
-use super::report::{LEVEL, Quantities};
+use super::quantities::{LEVEL, Quantities};
 use crate::evolution::Estimate;
 use crate::seeds::{self, Purpose};
 use rand::RngExt;

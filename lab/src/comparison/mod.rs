@@ -26,27 +26,32 @@
 pub mod beliefs;
 mod bootstrap;
 mod contender;
+mod environment;
+mod quantities;
 mod report;
 mod scenario;
 mod settings;
+mod trial;
 mod witness;
 mod work;
 
 pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
+pub use environment::Environment;
+pub use quantities::{LEVEL, Quantities};
 pub use report::{
-    Claim, Difference, Entry, EnvironmentReport, LEVEL, PROMISED_DEVIATION, PROMISED_TIME,
-    Quantities, Recognition, Report, Summary,
+    Claim, Difference, Entry, EnvironmentReport, PROMISED_DEVIATION, PROMISED_TIME, Recognition,
+    Report, Summary,
 };
-pub use scenario::{Environment, SCENARIOS, TRIALS};
+pub use scenario::{SCENARIOS, TRIALS};
 pub use settings::{
     ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
 };
+pub use trial::{Distribution, Evaluation, Job, Trial};
 pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
 
 use crate::evolution::TellError;
 use crate::seeds::{self, Purpose};
 use serde::{Deserialize, Serialize};
-use umwelt_core::conjugate::SampleStatistics;
 
 /// Version of the stored state; a state of another version is not taken up.
 pub const STATE_VERSION: u32 = 1;
@@ -73,51 +78,6 @@ pub enum Stage {
     },
     /// There is a report.
     Done,
-}
-
-/// One episode to drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Job {
-    /// Which contender; for the reference, which number of slots.
-    subject: usize,
-    environment: usize,
-    seed: u64,
-}
-
-/// What is kept of one episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Trial {
-    /// Whether the robot arrived within the time limit.
-    pub arrived: bool,
-    /// Time in s from the end of the calibration to the arrival; the time limit where it did not arrive.
-    pub time: f64,
-    /// Largest deviation in m of the true position.
-    pub deviation: f64,
-    /// Samples after which the environment that the robot was in is the one it believed in for good; none where that
-    /// never came, or is not asked.
-    pub recognised: Option<u64>,
-    /// How well its intervals held what came; none where it does not identify.
-    pub coverage: Option<Coverage>,
-}
-
-/// What came of one episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Evaluation {
-    /// What is kept.
-    pub trial: Trial,
-    /// The samples of each channel.
-    samples: [SampleStatistics; 4],
-}
-
-/// Every trial of a contender in an environment, in the order of the seeds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Distribution {
-    /// The environment.
-    pub environment: String,
-    /// The contender's label.
-    pub contender: String,
-    /// Its trials.
-    pub trials: Vec<Trial>,
 }
 
 /// A comparison: settings, and how far it has got.
@@ -272,13 +232,16 @@ impl Comparison {
                     slots,
                     prior: self.settings.controller.prior,
                 };
-                statistic.drive(&self.settings, environment, &[], 0, job.seed)
+                let told = statistic.settings(&self.settings.controller);
+                statistic.drive(self.settings.episode(environment, told), &[], 0, job.seed)
             }
             Stage::Trials { .. } | Stage::Done => {
                 let contender = &self.settings.contenders[job.subject];
                 let known = self.state.known.iter().find(|it| it.slots == contender.slots);
                 let known = known.map_or(&[][..], |known| &known.environments);
-                contender.drive(&self.settings, environment, known, job.environment, job.seed)
+                let told = contender.settings(&self.settings.controller);
+                let scenario = self.settings.episode(environment, told);
+                contender.drive(scenario, known, job.environment, job.seed)
             }
         };
         Evaluation { trial, samples }

@@ -3,6 +3,7 @@
 //! Every constant that the thesis leaves out is named here with its reason.
 
 use super::contender;
+use super::environment::Environment;
 use super::settings::ComparisonSettings;
 use std::f64::consts::FRAC_PI_2;
 use umwelt_core::episode::Region;
@@ -40,19 +41,6 @@ const FIELD_LAG: (f64, f64) = (0.08, 0.04);
 /// When the outage begins and how long it lasts, in s: the calibration takes some 20 s, the first leg as long at full
 /// speed, and 4 s are a silence as Wi-Fi to a moving robot has them (field facts: whole seconds, worst 12 s).
 const OUTAGE: Outage = Outage { start: 30.0, duration: 4.0 };
-
-/// An environment of a comparison: a robot on its floor, and the link to it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Environment {
-    /// Its name.
-    pub name: String,
-    /// What the robot and its floor really are like.
-    pub plant: PlantModel,
-    /// The link.
-    pub link: LinkModel,
-    /// A part of the room where floor or link are different.
-    pub region: Option<Region>,
-}
 
 /// The robot of the thesis, whose wheels follow at once: its model knows no lag.
 fn thesis_robot() -> Settings {

@@ -1,7 +1,7 @@
 //! What a comparison is told: contenders, environments, task, trials, seed.
 
 use super::contender::Contender;
-use super::scenario::Environment;
+use super::environment::Environment;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::Pose;
 use umwelt_core::horizon::MAX_SLOTS;

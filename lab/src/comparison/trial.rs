@@ -1,0 +1,50 @@
+//! Episodes: what is asked, and what is kept of one.
+
+use super::witness::Coverage;
+use serde::{Deserialize, Serialize};
+use umwelt_core::conjugate::SampleStatistics;
+
+/// One episode to drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Job {
+    /// Which contender; for the reference, which number of slots.
+    pub(super) subject: usize,
+    pub(super) environment: usize,
+    pub(super) seed: u64,
+}
+
+/// What is kept of one episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Whether the robot arrived within the time limit.
+    pub arrived: bool,
+    /// Time in s from the end of the calibration to the arrival; the time limit where it did not arrive.
+    pub time: f64,
+    /// Largest deviation in m of the true position.
+    pub deviation: f64,
+    /// Samples after which the environment that the robot was in is the one it believed in for good; none where that
+    /// never came, or is not asked.
+    pub recognised: Option<u64>,
+    /// How well its intervals held what came; none where it does not identify.
+    pub coverage: Option<Coverage>,
+}
+
+/// What came of one episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// What is kept.
+    pub trial: Trial,
+    /// The samples of each channel.
+    pub(super) samples: [SampleStatistics; 4],
+}
+
+/// Every trial of a contender in an environment, in the order of the seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Distribution {
+    /// The environment.
+    pub environment: String,
+    /// The contender's label.
+    pub contender: String,
+    /// Its trials.
+    pub trials: Vec<Trial>,
+}
