@@ -21,6 +21,6 @@ pub mod pool;
 pub mod report;
 mod seeds;
 #[cfg(test)]
-mod toy;
+mod fake_work;
 pub mod wire;
 pub mod work;

@@ -170,7 +170,7 @@ fn lower() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toy::{Toy, Wishes};
+    use crate::fake_work::{Toy, Wishes};
     use std::sync::Arc;
     use std::sync::mpsc;
     use std::thread;

@@ -1,6 +1,6 @@
 //! Who is compared: a method with its prior and its number of slots.
 
-use super::trial::Trial;
+use super::episode::Trial;
 use super::witness::{Errors, Oracle, Witness};
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
 use umwelt_core::conjugate::SampleStatistics;

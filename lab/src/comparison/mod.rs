@@ -31,7 +31,7 @@ mod quantities;
 mod report;
 mod scenario;
 mod settings;
-mod trial;
+mod episode;
 mod witness;
 mod work;
 
@@ -46,7 +46,7 @@ pub use scenario::{SCENARIOS, TRIALS};
 pub use settings::{
     ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
 };
-pub use trial::{Distribution, Evaluation, Job, Trial};
+pub use episode::{Distribution, Evaluation, Job, Trial};
 pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
 
 use crate::evolution::TellError;

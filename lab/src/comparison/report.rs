@@ -4,7 +4,7 @@ use super::bootstrap::{Replicates, Resamples, Sorted};
 use super::contender::{BASELINE, CHAMPION, Contender};
 use super::quantities::Quantities;
 use super::settings::ComparisonSettings;
-use super::trial::Trial;
+use super::episode::Trial;
 use super::witness::Coverage;
 use crate::evolution::Estimate;
 use serde::{Deserialize, Serialize};

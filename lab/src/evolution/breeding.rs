@@ -2,7 +2,7 @@
 
 use super::generation::{self, Generation};
 use super::genome::{self, Genome};
-use super::job::Evaluation;
+use super::episode::Evaluation;
 use super::search::Search;
 use super::state::Stage;
 use super::{CANDIDATES, Evolution, empirical_bayes, genetic};

@@ -3,8 +3,8 @@
 use super::Evolution;
 use super::environment::TrainingEnvironment;
 use super::genome::{self, Genome};
-use super::hopeless::{self, HOPELESS_GENERATIONS, Hopeless};
-use super::job::Evaluation;
+use super::failure::{self, HOPELESS_GENERATIONS, Hopeless};
+use super::episode::Evaluation;
 use super::report::{self, Driven, Report};
 use super::settings::EvolutionSettings;
 use umwelt_core::settings::Prior;

@@ -1,6 +1,6 @@
 //! Named simulated environments, and what counts as fit in them.
 
-use super::job::Evaluation;
+use super::episode::Evaluation;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::Slip;
 

@@ -3,7 +3,7 @@
 use super::environment::TrainingEnvironment;
 use super::genetic::ranking;
 use super::genome::{self, Genome};
-use super::job::Evaluation;
+use super::episode::Evaluation;
 use serde::{Deserialize, Serialize};
 use umwelt_core::settings::Prior;
 

@@ -37,8 +37,8 @@ mod fitness;
 mod generation;
 mod genetic;
 mod genome;
-mod hopeless;
-mod job;
+mod failure;
+mod episode;
 mod report;
 mod search;
 mod settings;
@@ -50,8 +50,8 @@ pub use environment::{
 };
 pub use generation::{Generation, GenerationEnvironment, Spread};
 pub use genetic::GeneticSettings;
-pub use hopeless::{HOPELESS_GENERATIONS, Hopeless};
-pub use job::{Evaluation, Job, TellError};
+pub use failure::{HOPELESS_GENERATIONS, Hopeless};
+pub use episode::{Evaluation, Job, TellError};
 pub use report::{Entry, EnvironmentResult, Estimate, LEVEL, Report};
 pub use settings::{
     EvolutionSettings, MAX_BATCH, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,

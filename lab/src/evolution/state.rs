@@ -1,7 +1,7 @@
 //! How far an evolution has got, as it is stored.
 
 use super::genome::Genome;
-use super::hopeless::Hopeless;
+use super::failure::Hopeless;
 use super::report::Report;
 use super::search::Search;
 use super::settings::EvolutionSettings;

@@ -293,7 +293,7 @@ fn waiting(failure: &Failure) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::toy::{Toy, Wishes};
+    use super::super::fake_work::{Toy, Wishes};
     use super::super::{Jobs, Limits, Submission};
     use super::*;
     use crate::store::{Contents, Keeper, MemoryStore, Store};

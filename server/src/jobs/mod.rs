@@ -11,7 +11,7 @@ mod job;
 mod queue;
 mod record;
 #[cfg(test)]
-mod toy;
+mod fake_work;
 mod work;
 
 pub(crate) use job::{Job, Pace, Shown};
