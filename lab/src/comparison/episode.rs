@@ -1,16 +1,28 @@
 //! Episodes: what is asked, and what is kept of one.
 
-use super::witness::Coverage;
+use super::witness::{Coverage, Errors};
 use serde::{Deserialize, Serialize};
 use umwelt_core::conjugate::SampleStatistics;
 
-/// One episode to drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Job {
-    /// Which contender; for the reference, which number of slots.
-    pub(super) subject: usize,
+/// One episode to drive: with the settings of the comparison all that it takes, whoever drives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Episode {
+    pub(super) driver: Driver,
+    /// Index of the environment in the settings.
     pub(super) environment: usize,
     pub(super) seed: u64,
+    /// How each environment shows in the samples; empty where the driver is not to recognise them.
+    pub(super) known: Vec<Errors>,
+}
+
+/// Who drives an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Driver {
+    /// The baseline with so many slots, whose samples show what an environment is like.
+    Reference { slots: usize },
+    /// The contender of this index in the settings.
+    Contender { index: usize },
 }
 
 /// What is kept of one episode.
@@ -29,8 +41,8 @@ pub struct Trial {
     pub coverage: Option<Coverage>,
 }
 
-/// What came of one episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What is measured in one episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// What is kept.
     pub trial: Trial,

@@ -2,9 +2,9 @@
 
 use super::bootstrap::{Replicates, Resamples, Sorted};
 use super::contender::{BASELINE, CHAMPION, Contender};
+use super::episode::Trial;
 use super::quantities::Quantities;
 use super::settings::ComparisonSettings;
-use super::episode::Trial;
 use super::witness::Coverage;
 use crate::evolution::Estimate;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! The end of a generation, and the next one.
 
+use super::episode::Evaluation;
 use super::generation::{self, Generation};
 use super::genome::{self, Genome};
-use super::episode::Evaluation;
 use super::search::Search;
 use super::state::Stage;
 use super::{CANDIDATES, Evolution, empirical_bayes, genetic};

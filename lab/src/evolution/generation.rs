@@ -1,9 +1,9 @@
 //! What is kept of a generation: enough for the thesis's figures 6 and 7, and for watching.
 
 use super::environment::TrainingEnvironment;
+use super::episode::Evaluation;
 use super::genetic::ranking;
 use super::genome::{self, Genome};
-use super::episode::Evaluation;
 use serde::{Deserialize, Serialize};
 use umwelt_core::settings::Prior;
 

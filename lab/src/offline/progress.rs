@@ -1,6 +1,7 @@
 //! How far a job has got, on standard error: a bar on a terminal, a line now and then elsewhere.
 
-use crate::pool::{Meter, remaining};
+use crate::evaluator::Meter;
+use crate::pool::remaining;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{self, RecvTimeoutError};

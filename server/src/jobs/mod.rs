@@ -7,11 +7,11 @@
 pub(crate) mod comparison;
 mod dispatch;
 pub(crate) mod evolution;
+#[cfg(test)]
+mod fake_work;
 mod job;
 mod queue;
 mod record;
-#[cfg(test)]
-mod fake_work;
 mod work;
 
 pub(crate) use job::{Job, Pace, Shown};

@@ -270,7 +270,8 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         assert_eq!((progress.episodes, progress.elapsed_s), (lab.episodes(), 1.5));
         assert_eq!(progress.remaining_s, None);
         stages.push(progress.stage.name());
-        let evaluations: Vec<_> = lab.jobs().iter().map(|job| lab.evaluate(job)).collect();
+        let evaluations: Vec<_> =
+            lab.batch().iter().map(|it| lab::Comparison::evaluate(lab.settings(), it)).collect();
         lab.tell(&evaluations).unwrap();
     }
     assert_eq!(stages, ["reference", "trials"]);

@@ -224,7 +224,8 @@ fn what_comes_of_an_evolution_is_told_unchanged() {
     );
     let mut generations = Vec::new();
     while lab.report().is_none() {
-        let evaluations: Vec<_> = lab.jobs().iter().map(|job| lab.evaluate(job)).collect();
+        let evaluations: Vec<_> =
+            lab.batch().iter().map(|it| lab::Evolution::evaluate(lab.settings(), it)).collect();
         generations.extend(lab.tell(&evaluations).unwrap());
         let fitness = generations.last().map(|it| it.fitness);
         let progress = wire::evolution::progress(&lab, fitness, 1.0, Some(f64::INFINITY));
