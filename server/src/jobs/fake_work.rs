@@ -1,4 +1,4 @@
-//! A kind of work without robots: what all kinds share is tested with it.
+//! A kind of job without robots: what all kinds share is tested with it.
 
 use super::record::UPGRADES;
 use super::work::Work;
@@ -6,57 +6,57 @@ use crate::store::JobKind;
 use crate::store::document::Form;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
-use umwelt_lab::work::{self, Told};
+use umwelt_lab::work::{self, BatchOutcome};
 
-/// What a [`Toy`] is to be.
+/// What a [`FakeWork`] is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Wishes {
-    pub(super) batches: usize,
+pub(crate) struct FakeSettings {
+    pub(crate) batches: usize,
     /// Of each batch.
-    pub(super) episodes: usize,
+    pub(crate) episodes: usize,
     /// Time in µs that an episode takes.
-    pub(super) micros: u64,
+    pub(crate) micros: u64,
     /// Whether the first episode panics.
-    pub(super) panics: bool,
+    pub(crate) panics: bool,
     /// Whether the last batch leaves a reason rather than a report.
-    pub(super) hopeless: bool,
+    pub(crate) fails: bool,
 }
 
-impl Default for Wishes {
+impl Default for FakeSettings {
     fn default() -> Self {
-        Self { batches: 1, episodes: 10, micros: 0, panics: false, hopeless: false }
+        Self { batches: 1, episodes: 10, micros: 0, panics: false, fails: false }
     }
 }
 
-/// Counts: the place of an evaluation shows in what comes of it.
+/// Counts: the place of an evaluation shows in the sum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Toy {
+pub(crate) struct FakeWork {
     version: u32,
-    wishes: Wishes,
+    settings: FakeSettings,
     done: usize,
     sum: u64,
     report: Option<u64>,
 }
 
-impl Work for Toy {
-    const KIND: JobKind = JobKind::Comparison;
+impl Work for FakeWork {
+    const KIND: JobKind = JobKind::Counting;
     const FORM: &'static Form = &Form { is_within: true, upgrades: UPGRADES, base: "{}" };
-    type Spec = Wishes;
+    type Spec = FakeSettings;
     type Own = ();
-    type House = ();
+    type Services = ();
 
-    fn spec(wishes: &Wishes) -> Wishes {
-        *wishes
+    fn spec(settings: &FakeSettings) -> FakeSettings {
+        *settings
     }
 
-    fn settings(wishes: &Wishes) -> Result<Wishes, String> {
-        Ok(*wishes)
+    fn settings_of(settings: &FakeSettings) -> Result<FakeSettings, String> {
+        Ok(*settings)
     }
 }
 
-impl work::Work for Toy {
+impl work::Work for FakeWork {
     const STATE_VERSION: u32 = 1;
-    type Settings = Wishes;
+    type Settings = FakeSettings;
     type State = Self;
     type Stage = usize;
     type Latest = u64;
@@ -65,16 +65,20 @@ impl work::Work for Toy {
     type Episode = usize;
     type Evaluation = usize;
 
-    fn resume(_: Wishes, state: Self) -> Result<Self, String> {
+    fn resume(_: FakeSettings, state: Self) -> Result<Self, String> {
         Ok(state)
+    }
+
+    fn settings(&self) -> &FakeSettings {
+        &self.settings
     }
 
     fn state(&self) -> &Self {
         self
     }
 
-    fn new(wishes: Wishes) -> Result<Self, String> {
-        Ok(Self { version: Self::STATE_VERSION, wishes, done: 0, sum: 0, report: None })
+    fn new(settings: FakeSettings) -> Result<Self, String> {
+        Ok(Self { version: Self::STATE_VERSION, settings, done: 0, sum: 0, report: None })
     }
 
     fn stage(&self) -> usize {
@@ -82,41 +86,41 @@ impl work::Work for Toy {
     }
 
     fn episodes(&self) -> u64 {
-        (self.done * self.wishes.episodes) as u64
+        (self.done * self.settings.episodes) as u64
     }
 
     fn total_episodes(&self) -> u64 {
-        (self.wishes.batches * self.wishes.episodes) as u64
+        (self.settings.batches * self.settings.episodes) as u64
     }
 
     fn report(&self) -> Option<&u64> {
         self.report.as_ref()
     }
 
-    fn hopeless(&self) -> Option<String> {
-        let over = self.done == self.wishes.batches;
-        (over && self.wishes.hopeless).then(|| "nobody counts that far".to_owned())
+    fn failure(&self) -> Option<String> {
+        let over = self.done == self.settings.batches;
+        (over && self.settings.fails).then(|| "it counts no further".to_owned())
     }
 
     fn batch(&self) -> Vec<usize> {
-        (0..self.wishes.episodes).collect()
+        (0..self.settings.episodes).collect()
     }
 
-    fn evaluate(&self, episode: &usize) -> usize {
-        assert!(!(self.wishes.panics && *episode == 0), "no floor under the robot");
+    fn evaluate(settings: &FakeSettings, episode: &usize) -> usize {
+        assert!(!(settings.panics && *episode == 0), "no floor under the robot");
         let begin = Instant::now();
-        while begin.elapsed() < Duration::from_micros(self.wishes.micros) {
+        while begin.elapsed() < Duration::from_micros(settings.micros) {
             std::hint::spin_loop();
         }
         *episode
     }
 
-    fn tell(&mut self, evaluations: &[usize]) -> Result<Told<Self>, String> {
+    fn tell(&mut self, evaluations: &[usize]) -> Result<BatchOutcome<Self>, String> {
         let weighed = evaluations.iter().zip(1..).map(|(&it, place): (_, usize)| it * place);
         self.sum += weighed.sum::<usize>() as u64;
         self.done += 1;
         self.report =
-            (self.done == self.wishes.batches && !self.wishes.hopeless).then_some(self.sum);
-        Ok(Told { parts: vec![(self.done - 1, self.sum)], latest: Some(self.sum) })
+            (self.done == self.settings.batches && !self.settings.fails).then_some(self.sum);
+        Ok(BatchOutcome { parts: vec![(self.done - 1, self.sum)], latest: Some(self.sum) })
     }
 }

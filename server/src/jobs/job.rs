@@ -1,29 +1,30 @@
-//! One job in the server: what is shown of it, and how it is told to stop.
+//! One job in the server: what is shown of it, and how it is stopped.
 //!
 //! Invariant: what is shown is what is kept, but for the episodes and the time of the batch that is going on.
 
-use super::queue::Start;
 use super::record::{Record, State};
+use super::start::Start;
 use super::work::Work;
 use crate::store::JobId;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 use tokio::sync::{Mutex, Notify, watch};
 use tokio::time::Instant;
-use umwelt_lab::pool::{Meter, remaining};
+use umwelt_lab::evaluator::Meter;
+use umwelt_lab::pool::remaining;
 
 /// A job.
 #[derive(Debug)]
 pub(crate) struct Job<W: Work> {
     id: JobId,
     shown: watch::Sender<Shown<W>>,
-    /// Held by whoever changes its state while it is not running.
+    /// Held while its state is changed outside its turn.
     pub(super) changing: Mutex<()>,
     pub(super) meter: Meter,
     /// Where it is taken up; fresh once it was.
     start: std::sync::Mutex<Start<W>>,
     is_cancelled: AtomicBool,
-    /// Wakes whoever waits for the store on behalf of it.
+    /// Wakes what waits for the store on behalf of it.
     pub(super) cancelling: Notify,
 }
 

@@ -1,4 +1,4 @@
-//! What the server does in the background, whatever it is: queued, run a batch of simulated episodes at a time, kept
+//! What the server does in the background, whatever its kind: queued, run a batch of simulated episodes at a time, kept
 //! after each, taken up after a restart, cancelled, forgotten.
 //!
 //! What one kind of job does is [`Work`]; its life is the same for all kinds. Each kind has a queue and a dispatcher of
@@ -8,15 +8,18 @@ pub(crate) mod comparison;
 mod dispatch;
 pub(crate) mod evolution;
 #[cfg(test)]
-mod fake_work;
+pub(crate) mod fake_work;
+mod inner;
 mod job;
 mod queue;
 mod record;
+mod start;
 mod work;
 
+pub(crate) use inner::Limits;
 pub(crate) use job::{Job, Pace, Shown};
-pub(crate) use queue::{Jobs, Limits, Submission, Submitting};
+pub(crate) use queue::{Jobs, Submission, Submitting};
 #[cfg(test)]
-pub(crate) use record::{CHECKPOINT, Checkpoint, PART, Unusable, part_body};
-pub(crate) use record::{Record, State, UPGRADES, read_part};
-pub(crate) use work::{Gift, Work};
+pub(crate) use record::{CHECKPOINT, Checkpoint, PART, Record, Unusable, part_body};
+pub(crate) use record::{State, UPGRADES, read_part};
+pub(crate) use work::{SuccessEffect, Work};
