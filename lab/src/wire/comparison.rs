@@ -1,5 +1,6 @@
 //! Comparisons: what a request means, and what came of it.
 
+use super::verdict::judged;
 use crate::comparison::{
     self as lab, BASELINE, CHAMPION, Comparison, ComparisonSettings, Contender, PROMISED_DEVIATION,
     PROMISED_TIME, method_names,
@@ -249,8 +250,9 @@ fn claim(lab: &lab::Claim, report: &lab::Report) -> Claim {
         promised_deviation: PROMISED_DEVIATION,
         promised_time: PROMISED_TIME,
         verdict: String::new(),
+        findings: Vec::new(),
     };
-    Claim { verdict: claim.in_words(), ..claim }
+    judged(claim)
 }
 
 impl From<&lab::Report> for Report {

@@ -1,5 +1,6 @@
 //! Evolutions: what a request and its preset mean, and what came of it.
 
+use super::verdict::{champion, entry};
 use crate::evolution::{
     self as lab, Evolution, EvolutionSettings, FitnessLimits, GeneticSettings, TrainingEnvironment,
 };
@@ -256,7 +257,7 @@ impl From<&lab::Entry> for Entry {
             deviation_m: it.deviation,
             arrived: it.arrived,
         });
-        Self::new(
+        entry(
             lab.name.clone(),
             lab.prior.into(),
             lab.fitness.into(),
@@ -269,6 +270,6 @@ impl From<&lab::Entry> for Entry {
 impl From<&lab::Report> for Champion {
     fn from(lab: &lab::Report) -> Self {
         let entries = lab.entries.iter().map(Entry::from).collect();
-        Self::new(lab.champion.into(), lab.trials as u64, entries)
+        champion(lab.champion.into(), lab.trials as u64, entries)
     }
 }

@@ -4,6 +4,7 @@
 pub mod comparison;
 pub mod evolution;
 pub mod training;
+pub(crate) mod verdict;
 
 #[cfg(test)]
 mod tests;

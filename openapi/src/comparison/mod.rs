@@ -4,19 +4,19 @@ mod claim;
 mod event;
 mod page;
 mod progress;
+mod quantities;
 mod report;
 mod request;
 mod spec;
 
 pub use crate::estimate::Estimate;
 pub use crate::job::{PageQuery, State};
-pub use claim::Claim;
+pub use claim::{Claim, Finding, FindingResult, FindingSubject};
 pub use event::{Event, Kind};
 pub use page::Page;
 pub use progress::{Progress, Stage};
-pub use report::{
-    Difference, Entry, EnvironmentReport, Quantities, Recognition, Reductions, Report,
-};
+pub use quantities::{Quantities, Reductions};
+pub use report::{Difference, Entry, EnvironmentReport, Recognition, Report};
 pub use request::Request;
 pub use spec::{DEFAULT_PRIOR, KNOWN_METHODS, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
 

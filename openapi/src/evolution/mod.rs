@@ -10,7 +10,7 @@ mod spec;
 
 pub use crate::estimate::Estimate;
 pub use crate::job::{PageQuery, State};
-pub use champion::{Champion, Entry, EnvironmentResult};
+pub use champion::{Champion, Entry, EnvironmentResult, Ranking};
 pub use event::{Event, Kind};
 pub use generation::{Generation, GenerationEnvironment};
 pub use page::{DEFAULT_GENERATIONS_SIZE, GenerationsPage, MAX_GENERATIONS_SIZE, Page};

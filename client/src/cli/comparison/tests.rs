@@ -3,7 +3,8 @@
 use super::*;
 use crate::compare::tests::COMPARISON;
 use umwelt_api::comparison::{
-    Claim, Entry, EnvironmentReport, Estimate, Quantities, Recognition, Reductions, Report,
+    Claim, Entry, EnvironmentReport, Estimate, Finding, FindingResult, FindingSubject, Quantities,
+    Recognition, Reductions, Report,
 };
 
 fn comparison() -> Comparison {
@@ -30,6 +31,13 @@ fn entry(contender: &str, identifies: bool) -> Entry {
         difference: None,
     }
 }
+
+/// The words of a verdict, finding by finding.
+const WORDS: [&str; 3] = [
+    "deviation 12.3 % smaller (95 %: 8.1 to 16.0): 16 % of the thesis's 75 %",
+    "time 104 % longer (95 %: 100 to 108): the opposite of the thesis's 35 % shorter, none of it is reached",
+    "not all arrived: bayesian/20 in 99.5 % of the trials, statistic/20 in 100.0 %, the others count with the time limit and as far as they got",
+];
 
 fn report() -> Report {
     let never = Recognition { share: 0.4, median_samples: None, p90_samples: None };
@@ -58,8 +66,17 @@ fn report() -> Report {
         arrived: 0.995,
         against_arrived: 1.0,
         verdict: String::new(),
+        findings: Vec::new(),
     };
-    let claims = vec![Claim { verdict: claim.in_words(), ..claim }];
+    let findings = [
+        (FindingSubject::Deviation, FindingResult::Partly, WORDS[0]),
+        (FindingSubject::Time, FindingResult::Opposite, WORDS[1]),
+        (FindingSubject::Arrival, FindingResult::NotAllArrived, WORDS[2]),
+    ];
+    let finding =
+        |(about, result, words): (_, _, &str)| Finding { about, result, words: words.to_owned() };
+    let claims =
+        vec![Claim { verdict: WORDS.join("; "), findings: findings.map(finding).into(), ..claim }];
     Report {
         trials: 1000,
         environments: vec![environment("normal"), environment("bad-link")],
@@ -84,6 +101,13 @@ no-compensation/1   99.5 %     21.2 s  170.0 s         12.3 mm  100.0 mm        
          limit and as far as they got\n"
     );
     assert_eq!(report::text(&report()), expected);
+    let mut earlier = report();
+    earlier.claims[0].findings.clear();
+    let shown = report::text(&earlier);
+    assert!(
+        shown.ends_with(&format!("  {}\n", WORDS.join("; "))),
+        "as a server of an earlier version says it"
+    );
     let untested = Report { claims: Vec::new(), ..report() };
     assert!(report::text(&untested).ends_with("with as many slots\n"));
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::evolve::tests::EVOLUTION;
 use umwelt_api::evolution::{
-    Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment,
+    Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment, Ranking,
 };
 use umwelt_api::robot::Prior;
 
@@ -30,6 +30,12 @@ fn entry(name: &str, fitness: f64, difference: Option<Estimate>) -> Entry {
         difference,
         environments: vec![result("normal", fitness), result("bad-link", 1.0)],
         verdict: "in the words of the server".to_owned(),
+        champion_is: difference.map(|it| match it.mean {
+            _ if it.includes_zero() => Ranking::NoDifference,
+            mean if mean > 0.0 => Ranking::Better,
+            _ => Ranking::Worse,
+        }),
+        champion_worse_in: if fitness > 1.36 { vec!["normal".to_owned()] } else { Vec::new() },
     }
 }
 
@@ -45,6 +51,13 @@ fn champion() -> Champion {
             entry("flat", 1.4, Some(estimate(-0.08, 0.05))),
         ],
     }
+}
+
+#[test]
+fn what_an_earlier_server_says_in_words_alone_is_shown_as_it_is() {
+    let mut champion = champion();
+    champion.entries[2].champion_is = None;
+    assert!(report::text(&champion).contains("in the words of the server"));
 }
 
 #[test]

@@ -311,7 +311,7 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         assert_eq!(wire.deviation_reduction.mean.unwrap().mean, lab.deviation.mean.mean);
         assert_eq!(wire.time_reduction.p90.unwrap().high, lab.time.p90.high);
         assert_eq!((wire.promised_deviation, wire.promised_time), (0.75, 0.35));
-        assert_eq!(wire.verdict, wire.in_words());
+        assert_eq!(*wire, wire::verdict::judged(wire.clone()), "its words are made once");
         let here = report.environments.iter().find(|it| it.environment == lab.environment);
         let arrived = |label: &str| {
             let mut entries = here.unwrap().entries.iter();
