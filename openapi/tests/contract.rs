@@ -216,7 +216,9 @@ fn no_schema_overwrites_another() {
         .filter(|(name, _)| !is_closed(name))
         .map(|(n, s)| (n.clone(), s.clone()))
         .collect();
-    assert_eq!(schemas.len(), derives, "{:?}", schemas.keys());
+    // Of each kind of job three more are put together by hand: job, page and event; its outcome is a part of the job's.
+    let kinds = text.matches("impl JobKind for").count();
+    assert_eq!(schemas.len(), derives + 2 * kinds, "{:?}", schemas.keys());
     let rust_only = ["RobotId", "PriorId", "EnvironmentId", "EvolutionId", "ComparisonId"];
     for name in schemas.keys().filter(|name| !rust_only.contains(&name.as_str())) {
         assert!(
