@@ -1,5 +1,7 @@
 //! What all kinds of jobs have in common: shown, listed, cancelled, removed, followed.
 
+pub(crate) mod comparison;
+pub(crate) mod evolution;
 mod events;
 mod named;
 mod resource;
