@@ -1,8 +1,9 @@
 //! Comparisons: what a request means, and what came of it.
 
+use super::pace::Pace;
 use super::verdict::judged;
 use crate::comparison::{
-    self as lab, BASELINE, CHAMPION, Comparison, ComparisonSettings, Contender, PROMISED_DEVIATION,
+    self as lab, BASELINE, CHAMPION, ComparisonSettings, Contender, PROMISED_DEVIATION,
     PROMISED_TIME, method_names,
 };
 use crate::evolution;
@@ -151,28 +152,22 @@ pub fn spec(settings: &ComparisonSettings, prior: &str) -> Spec {
     }
 }
 
-/// How far a comparison has got that waits for its turn and has not begun.
-pub fn queued(comparison: &Comparison) -> Progress {
-    Progress { stage: Stage::Queued, ..progress(comparison, 0.0, None) }
-}
-
-/// How far a comparison has got after `elapsed_s` and with `remaining_s` to go.
-pub fn progress(comparison: &Comparison, elapsed_s: f64, remaining_s: Option<f64>) -> Progress {
-    let trials = comparison.settings().trials as u64;
-    let (stage, trials_done) = match comparison.stage() {
-        lab::Stage::Reference => (Stage::Reference, 0),
-        lab::Stage::Trials { done } => (Stage::Trials, done as u64),
-        lab::Stage::Done => (Stage::Done, trials),
+/// How far a comparison has got that is in this stage; without a stage it has not begun.
+pub fn progress(
+    settings: &ComparisonSettings,
+    reached: Option<lab::Stage>,
+    pace: Pace,
+) -> Progress {
+    let trials = settings.trials as u64;
+    let (stage, trials_done) = match reached {
+        None => (Stage::Queued, 0),
+        Some(lab::Stage::Reference) => (Stage::Reference, 0),
+        Some(lab::Stage::Trials { done }) => (Stage::Trials, done as u64),
+        Some(lab::Stage::Done) => (Stage::Done, trials),
     };
-    Progress {
-        stage,
-        trials_done,
-        trials,
-        episodes: comparison.episodes(),
-        total_episodes: comparison.total_episodes(),
-        elapsed_s,
-        remaining_s: remaining_s.filter(|it| it.is_finite()),
-    }
+    let Pace { episodes, total_episodes, elapsed_s, remaining_s } = pace;
+    let remaining_s = remaining_s.filter(|it| it.is_finite());
+    Progress { stage, trials_done, trials, episodes, total_episodes, elapsed_s, remaining_s }
 }
 
 type Estimated = lab::Quantities<evolution::Estimate>;

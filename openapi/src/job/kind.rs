@@ -1,8 +1,10 @@
 //! What tells one kind of job from another.
 
 use super::State;
+use crate::body;
 use crate::check::Checked;
 use crate::id::InvalidId;
+use crate::problem::Problems;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::{Debug, Display};
@@ -40,6 +42,14 @@ pub trait JobKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Outcome: Wire;
     /// What happens to a job.
     type News: JobNews<Self::Progress>;
+
+    /// Reads the body of a request by itself; what names stand for is not asked.
+    ///
+    /// # Errors
+    /// Every problem of it.
+    fn read(json: &[u8]) -> Result<Self::Request, Problems> {
+        body::read_shared(json)
+    }
 
     /// The id of the job of this number.
     fn id(number: u64) -> Self::Id;

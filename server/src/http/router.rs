@@ -4,8 +4,7 @@ use crate::http::app::App;
 use crate::http::deadline;
 use crate::http::guard;
 use crate::http::routes::{
-    comparisons, control, environment, environments, events, evolutions, jobs, priors, robots,
-    server, tasks,
+    control, environment, environments, events, jobs, priors, robots, server, tasks,
 };
 use crate::resource::failure::{self, Failure};
 use axum::Router;
@@ -19,6 +18,7 @@ use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::trace::TraceLayer;
 use umwelt_api::problem::{Detail, Status, reason};
+use umwelt_api::{comparison, evolution};
 use umwelt_lab::comparison::Comparison;
 use umwelt_lab::evolution::Evolution;
 
@@ -57,26 +57,33 @@ fn routes(app: App) -> Router {
             put(environments::put).get(environments::get).delete(environments::delete),
         )
         // Evolutions: priors searched for in the background
-        .route("/v1/evolutions", post(evolutions::submit).get(jobs::list::<Evolution>))
+        .route(
+            "/v1/evolutions",
+            post(jobs::submit::<Evolution, { evolution::MAX_BODY }>).get(jobs::list::<Evolution>),
+        )
         .route(
             "/v1/evolutions/{evolution}",
             get(jobs::get::<Evolution>).delete(jobs::delete::<Evolution>),
         )
         .route("/v1/evolutions/{evolution}/cancel", post(jobs::cancel::<Evolution>))
-        .route("/v1/evolutions/{evolution}/generations", get(evolutions::generations))
+        .route("/v1/evolutions/{evolution}/generations", get(jobs::evolution::generations))
         .route("/v1/evolutions/{evolution}/events", get(jobs::events::<Evolution>))
-        .route("/v1/evolutions/{evolution}/figures/{figure}", get(evolutions::figure))
+        .route("/v1/evolutions/{evolution}/figures/{figure}", get(jobs::evolution::figure))
         // Comparisons: methods on the same seeds, in the background
-        .route("/v1/comparisons", post(comparisons::submit).get(jobs::list::<Comparison>))
+        .route(
+            "/v1/comparisons",
+            post(jobs::submit::<Comparison, { comparison::MAX_BODY }>)
+                .get(jobs::list::<Comparison>),
+        )
         .route(
             "/v1/comparisons/{comparison}",
             get(jobs::get::<Comparison>).delete(jobs::delete::<Comparison>),
         )
         .route("/v1/comparisons/{comparison}/cancel", post(jobs::cancel::<Comparison>))
         .route("/v1/comparisons/{comparison}/events", get(jobs::events::<Comparison>))
-        .route("/v1/comparisons/{comparison}/figures/{figure}", get(comparisons::figure))
-        .route("/v1/comparisons/{comparison}/trials.csv", get(comparisons::trials))
-        .route("/v1/comparisons/{comparison}/report.md", get(comparisons::report))
+        .route("/v1/comparisons/{comparison}/figures/{figure}", get(jobs::comparison::figure))
+        .route("/v1/comparisons/{comparison}/trials.csv", get(jobs::comparison::trials))
+        .route("/v1/comparisons/{comparison}/report.md", get(jobs::comparison::report))
         // What happens
         .route("/v1/robots/{robot}/events", get(events::of_robot))
         .route("/v1/events", get(events::of_all))

@@ -11,15 +11,17 @@ pub(crate) mod evolution;
 pub(crate) mod fake_work;
 mod inner;
 mod job;
+mod on_wire;
 mod queue;
 mod record;
 mod start;
 mod work;
 
 pub(crate) use inner::Limits;
-pub(crate) use job::{Job, Pace, Shown};
-pub(crate) use queue::{Jobs, Submission, Submitting};
+pub(crate) use job::{Job, Shown};
+pub(crate) use on_wire::OnWire;
+pub(crate) use queue::{Jobs, Submission};
 #[cfg(test)]
-pub(crate) use record::{CHECKPOINT, Checkpoint, PART, Record, Unusable, part_body};
-pub(crate) use record::{State, UPGRADES, read_part};
+pub(crate) use record::{CHECKPOINT, Checkpoint, PART, Unusable, part_body};
+pub(crate) use record::{Reached, Record, State, UPGRADES, read_part};
 pub(crate) use work::{SuccessEffect, Work};

@@ -81,7 +81,7 @@ impl State {
     }
 }
 
-impl From<State> for umwelt_api::evolution::State {
+impl From<State> for umwelt_api::job::State {
     fn from(state: State) -> Self {
         match state {
             State::Queued => Self::Queued,

@@ -3,7 +3,7 @@
 use super::{MAX, pairs, problems, within};
 use crate::comparison as lab;
 use crate::comparison::{ComparisonSettings, Contender, SCENARIOS};
-use crate::wire;
+use crate::wire::{self, Pace};
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
@@ -257,8 +257,9 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         Some("thesis")
     );
     let mut lab = lab::Comparison::new(settings).unwrap();
-    let queued = wire::comparison::queued(&lab);
     let total = lab.total_episodes();
+    let pace = Pace { total_episodes: total, ..Pace::default() };
+    let queued = wire::comparison::progress(lab.settings(), None, pace);
     assert_eq!(
         (queued.stage, queued.trials_done, queued.trials),
         (comparison::Stage::Queued, 0, 3)
@@ -266,7 +267,13 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
     assert_eq!((queued.episodes, queued.total_episodes), (0, total));
     let mut stages = Vec::new();
     while lab.report().is_none() {
-        let progress = wire::comparison::progress(&lab, 1.5, Some(f64::INFINITY));
+        let pace = Pace {
+            episodes: lab.episodes(),
+            total_episodes: total,
+            elapsed_s: 1.5,
+            remaining_s: Some(f64::INFINITY),
+        };
+        let progress = wire::comparison::progress(lab.settings(), Some(lab.stage()), pace);
         assert_eq!((progress.episodes, progress.elapsed_s), (lab.episodes(), 1.5));
         assert_eq!(progress.remaining_s, None);
         stages.push(progress.stage.name());
@@ -275,7 +282,8 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         lab.tell(&evaluations).unwrap();
     }
     assert_eq!(stages, ["reference", "trials"]);
-    let done = wire::comparison::progress(&lab, 1.5, Some(0.0));
+    let pace = Pace { episodes: lab.episodes(), remaining_s: Some(0.0), ..pace };
+    let done = wire::comparison::progress(lab.settings(), Some(lab.stage()), pace);
     assert_eq!((done.stage, done.trials_done), (comparison::Stage::Done, 3));
     assert_eq!((done.episodes, done.remaining_s), (total, Some(0.0)));
 

@@ -1,57 +1,26 @@
-//! Evolutions: submitted, their generations and figures, and what is theirs alone of what all jobs have.
+//! What evolutions alone have: generations and their figures, and names for champions.
 
-use super::jobs::{
-    Made, Named, Resource, figure as figure_of, idempotency_key, parts, repeated, submitted,
-};
-use super::page::{self, Query};
+use super::{Made, Named, Resource, figure as figure_of, parts};
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
-use crate::http::extract::Body;
+use crate::http::routes::page::{self, Query};
 use crate::jobs::evolution::claim;
-use crate::jobs::{Job, Jobs, Shown, Submission};
-use crate::resource::change::to_the_end;
-use crate::resource::etag;
+use crate::jobs::{Job, Jobs, Shown};
 use crate::resource::failure::Failure;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
-use axum::response::sse;
-use serde::Serialize;
 use std::collections::HashMap;
-use umwelt_api::EvolutionId;
-use umwelt_api::evolution::{self, Event, Generation, GenerationsPage, Kind, Page, Request};
-use umwelt_api::page::Unreadable;
-use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_lab::evolution::Evolution;
+use tokio::sync::OwnedRwLockWriteGuard;
+use umwelt_api::evolution::{self, Event, Generation, GenerationsPage, Request};
+use umwelt_api::problem::{Detail, Problems, Status, reason};
+use umwelt_api::{EvolutionId, PriorId};
+use umwelt_lab::evolution::{Evolution, EvolutionSettings};
 use umwelt_lab::figures::evolution::{Figure, svg};
 use umwelt_lab::wire;
 
 /// Generations that are read for a stream at a time.
 const AT_A_TIME: usize = 50;
-
-pub(crate) async fn submit(
-    State(app): State<App>,
-    headers: HeaderMap,
-    Body(body): Body<{ evolution::MAX_BODY }>,
-) -> Result {
-    let key = idempotency_key(&headers)?;
-    to_the_end(async move {
-        // Until it is queued, nobody takes the name that its champion is to have.
-        let _changing = app.priors.changing().await;
-        let mut submitting = app.evolutions.submitting().await;
-        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body))? {
-            return Ok(answer);
-        }
-        let known = |name: &str| app.environments.known(name);
-        let (request, settings) = wire::evolution::read(&body, known)?;
-        let prior = request.prior.as_deref().map(str::parse).transpose()?;
-        let submission = Submission { settings, key, request: etag::of(&request).to_string() };
-        let claim = |next| claim(&app.evolutions, &app.priors, prior, next);
-        let job = submitting.submit(submission, claim).await?;
-        Ok(submitted(StatusCode::CREATED, &job))
-    })
-    .await
-}
 
 pub(crate) async fn generations(
     State(app): State<App>,
@@ -87,63 +56,51 @@ pub(crate) async fn figure(
 }
 
 impl Resource for Evolution {
-    type Id = EvolutionId;
-    type Wire = evolution::Evolution;
+    /// It would count generations as sent.
+    const STATES_HAVE_IDS: bool = false;
 
-    fn jobs(app: &App) -> &Jobs<Self> {
-        &app.evolutions
+    /// Until it is queued, nothing else takes the name that its champion is to have.
+    async fn names(app: &App) -> Option<OwnedRwLockWriteGuard<()>> {
+        Some(app.priors.changing().await)
     }
 
-    fn wire(job: &Job<Self>) -> evolution::Evolution {
-        job.evolution()
+    fn read(app: &App, body: &[u8]) -> Result<(Request, EvolutionSettings), Problems> {
+        wire::evolution::read(body, |name| app.environments.known(name))
     }
 
-    fn page(
-        evolutions: Vec<evolution::Evolution>,
-        unreadable: Vec<Unreadable>,
-        next_page_token: Option<String>,
-    ) -> impl Serialize {
-        Page { evolutions, unreadable, next_page_token }
+    fn own(
+        app: &App,
+        jobs: &Jobs<Self>,
+        request: &Request,
+        next: u64,
+    ) -> Result<(u64, PriorId), Failure> {
+        let prior = request.prior.as_deref().map(str::parse).transpose()?;
+        claim(jobs, &app.priors, prior, next)
     }
 
-    fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error> {
-        written(&job.event(shown))
-    }
-
-    /// Every generation is told once, in order. The id of an event is the number of generations that have ended.
-    async fn news(
+    /// Every generation once, in order. The id of an event is the number of generations that have ended.
+    async fn events_after(
         app: &App,
         job: &Job<Self>,
         shown: &Shown<Self>,
-        told: u64,
-    ) -> Option<Vec<(u64, Result<sse::Event, axum::Error>)>> {
-        if shown.generations() <= told {
+        last: u64,
+    ) -> Option<Vec<Event>> {
+        if shown.generations() <= last {
             return Some(Vec::new());
         }
-        let from = usize::try_from(told).ok()?;
-        let bred = match parts(app, job, from, AT_A_TIME, |bred| Generation::from(bred)).await {
-            Ok(bred) if !bred.is_empty() => bred,
+        let from = usize::try_from(last).ok()?;
+        let generations = match parts(app, job, from, AT_A_TIME, |it| Generation::from(it)).await {
+            Ok(generations) if !generations.is_empty() => generations,
             // Forgotten meanwhile.
             Ok(_) => return None,
             Err(failure) => {
-                tracing::error!(job = %job.id(), error = failure.message(), "a stream ends");
+                let error = failure.message();
+                tracing::error!(job = %job.id(), kind = "evolution", error, "cannot read job events");
                 return None;
             }
         };
         let evolution = EvolutionId::numbered(job.id().number);
-        let news = bred.into_iter().map(|generation| {
-            let event = Event::generation(evolution.clone(), generation);
-            (event.id, written(&event))
-        });
-        Some(news.collect())
+        let event = |generation| Event::generation(evolution.clone(), generation);
+        Some(generations.into_iter().map(event).collect())
     }
-}
-
-/// An event as the stream has it. A state has no id there: it would count generations as told.
-fn written(event: &Event) -> Result<sse::Event, axum::Error> {
-    let mut written = sse::Event::default().event(event.kind.name());
-    if matches!(event.kind, Kind::Generation { .. }) {
-        written = written.id(event.id.to_string());
-    }
-    written.json_data(event)
 }
