@@ -16,7 +16,7 @@ mod connection;
 mod error;
 mod events;
 mod evolve;
-mod jobs;
+mod job;
 mod pages;
 mod retry;
 mod sse;
@@ -24,12 +24,12 @@ mod step;
 #[cfg(test)]
 mod test_server;
 mod token;
-mod unreadable;
+mod whole;
 
 pub use client::{Client, DEADLINE};
 pub use error::{Error, Failure};
 pub use events::{ComparisonEvents, Events, EvolutionEvents, SILENCE};
-pub use jobs::fresh_key;
+pub use job::fresh_key;
 pub use step::{MAX_REPLY, STEP_DEADLINE, StepConnection};
 pub use token::read_token;
 pub use umwelt_api as api;
