@@ -1,15 +1,17 @@
-//! What evolutions and comparisons have in common: they are created under a key, and what they show is text.
+//! Jobs of any kind: submitted, shown, listed, cancelled, removed, followed.
 
 use crate::call::Call;
 use crate::client::Client;
 use crate::error::Error;
+use crate::events::{JobEvents, follow};
+use crate::pages::{self, add_query};
+use futures_util::stream::BoxStream;
 use reqwest::{Method, Url};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use tower::util::rng::{HasherRng, Rng};
 use umwelt_api::IdempotencyKey;
+use umwelt_api::job::{Job, JobKind, JobPage, PageQuery, State};
 
-/// An idempotency key that nobody else has: 128 random bits.
+/// An idempotency key that no other caller has: 128 random bits.
 ///
 /// # Panics
 /// Never: hexadecimal digits are a key.
@@ -20,16 +22,102 @@ pub fn fresh_key() -> IdempotencyKey {
 }
 
 impl Client {
-    /// Creates what `request` asks for, once for each `key`; without one a [`fresh_key`] is taken.
-    pub(crate) async fn create<T: DeserializeOwned>(
+    /// Submits a job. Sent twice under one `key` it is one job; without one a [`fresh_key`] is taken, so that the retries
+    /// of this call are safe. To try again after an error, keep the key.
+    ///
+    /// ```no_run
+    /// # async fn example(client: umwelt_client::Client) -> Result<(), umwelt_client::Error> {
+    /// use umwelt_api::evolution::{EvolutionKind, Request};
+    /// let evolution = client.submit::<EvolutionKind>(&Request::default(), None).await?;
+    /// println!("{} is {}", evolution.id, evolution.state.name());
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// RESOURCE_EXHAUSTED where too many wait, FAILED_PRECONDITION where the key came with another request, and
+    /// whatever [`Error`] tells.
+    pub async fn submit<K: JobKind>(
         &self,
-        url: Url,
-        request: &impl Serialize,
+        request: &K::Request,
         key: Option<&IdempotencyKey>,
-    ) -> Result<T, Error> {
-        let call = self.call(Method::POST, url).with_json(request)?;
+    ) -> Result<Job<K>, Error> {
+        let call = self.call(Method::POST, self.at(&["v1", K::LIST])).with_json(request)?;
         let idempotency_key = Some(key.cloned().unwrap_or_else(fresh_key));
         self.typed(Call { idempotency_key, ..call }).await
+    }
+
+    /// How far a job has got, and what it ended with.
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn job<K: JobKind>(&self, id: &K::Id) -> Result<Job<K>, Error> {
+        self.get(self.below_job::<K>(id, &[])).await
+    }
+
+    /// One page of the jobs of a kind, the newest first. [`Client::jobs`] walks over all pages.
+    ///
+    /// # Errors
+    /// Whatever [`Error`] tells.
+    pub async fn list_jobs<K: JobKind>(&self, query: &PageQuery) -> Result<JobPage<K>, Error> {
+        let mut url = self.at(&["v1", K::LIST]);
+        let state = query.state.map(State::name);
+        add_query(&mut url, query.page_size, query.page_token.as_deref(), state);
+        self.get(url).await
+    }
+
+    /// All jobs of a kind, or those in one state, the newest first. An error ends the stream.
+    pub fn jobs<K: JobKind>(
+        &self,
+        state: Option<State>,
+    ) -> BoxStream<'static, Result<Job<K>, Error>> {
+        let client = self.clone();
+        pages::all(format!("GET {}", self.at(&["v1", K::LIST])), move |page_token| {
+            let client = client.clone();
+            async move {
+                let query = PageQuery { page_size: Some(K::PAGE_SIZE), page_token, state };
+                let page = client.list_jobs::<K>(&query).await?;
+                Ok((page.jobs, page.next_page_token))
+            }
+        })
+    }
+
+    /// Cancels a job; what its batches have left stays.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it has ended otherwise, NOT_FOUND where it is not known, and whatever [`Error`]
+    /// tells.
+    pub async fn cancel<K: JobKind>(&self, id: &K::Id) -> Result<Job<K>, Error> {
+        self.post(self.below_job::<K>(id, &["cancel"])).await
+    }
+
+    /// Removes a job with all that is kept of it; what it gave to others, as a prior, stays.
+    ///
+    /// # Errors
+    /// FAILED_PRECONDITION where it has not ended, NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn remove<K: JobKind>(&self, id: &K::Id) -> Result<(), Error> {
+        self.delete(self.below_job::<K>(id, &[])).await
+    }
+
+    /// What happens to a job: what the kind has behind the event `after` (all of it without), the state as it is now, then
+    /// each change. It ends after the state in which the job ended.
+    ///
+    /// It reconnects as [`Client::events`] does, also to a server that was started anew, and misses no generation of an
+    /// evolution.
+    ///
+    /// # Errors
+    /// NOT_FOUND where the job is not known, and whatever [`Error`] tells.
+    pub async fn job_events<K: JobKind>(
+        &self,
+        id: &K::Id,
+        after: Option<u64>,
+    ) -> Result<JobEvents<K>, Error> {
+        follow(self, self.below_job::<K>(id, &["events"]), after).await
+    }
+
+    /// Where something of a job is.
+    pub(crate) fn below_job<K: JobKind>(&self, id: &K::Id, below: &[&str]) -> Url {
+        self.at(&[&["v1", K::LIST, id.as_ref()], below].concat())
     }
 
     /// The text at `url`. One that `is_right` does not take for what was asked is refused as no `kind`.

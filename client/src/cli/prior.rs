@@ -7,10 +7,9 @@ use super::output::Output;
 use super::progress::wait;
 use super::quantity::{UNKNOWN, or_unknown};
 use super::table::{Column, Table};
-use super::unreadable::{unreadable, with};
+use super::unreadable::with;
 use crate::client::Client;
 use clap::Subcommand;
-use futures_util::TryStreamExt;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -60,11 +59,7 @@ Examples:
 impl Command {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         match self {
-            Self::List => {
-                let priors = wait(client.priors().try_collect()).await?;
-                let unreadable = unreadable(client, "priors", true).await?;
-                output.result(&Page { priors, unreadable, next_page_token: None }, list)
-            }
+            Self::List => output.result(&wait(client.whole::<Page>(None)).await?, list),
             Self::Show { prior } => output.result(&wait(client.get_prior(&prior)).await?, show),
             Self::Put { prior, file } => {
                 let spec = spec(&file)?;

@@ -63,10 +63,10 @@ async fn a_submit_that_is_sent_again_has_the_same_key() {
     };
     let client = Client::new(&server.url).unwrap();
     let request = comparison::Request { seed: Some(7), ..Default::default() };
-    let submitted = client.submit_comparison(&request, None).await.unwrap();
-    assert_eq!(submitted.comparison.as_str(), "comparison-12");
+    let submitted = client.submit::<ComparisonKind>(&request, None).await.unwrap();
+    assert_eq!(submitted.id.as_str(), "comparison-12");
     let given = "mine-1".parse().unwrap();
-    client.submit_comparison(&request, Some(&given)).await.unwrap();
+    client.submit::<ComparisonKind>(&request, Some(&given)).await.unwrap();
     let seen = seen.lock().unwrap();
     let keys: Vec<_> = seen.iter().map(|(key, _)| key.as_str()).collect();
     assert_eq!((keys[0], keys[2], keys[0].len()), (keys[1], "mine-1", 32));
@@ -89,7 +89,7 @@ async fn the_list_is_walked_over_all_its_pages() {
     };
     let client = Client::new(&server.url).unwrap();
     let failed = Some(comparison::State::Failed);
-    let comparisons: Vec<_> = client.comparisons(failed).try_collect().await.unwrap();
+    let comparisons: Vec<_> = client.jobs::<ComparisonKind>(failed).try_collect().await.unwrap();
     assert_eq!(comparisons.len(), 2);
     let expected = [
         "/v1/comparisons?page_size=500&state=failed",
@@ -104,9 +104,9 @@ async fn every_method_asks_its_route_for_its_kind() {
     let client = Client::new(&server.url).unwrap();
     let id = "comparison-1".parse().unwrap();
     let statuses = [
-        client.get_comparison(&id).await.err(),
-        client.cancel_comparison(&id).await.err(),
-        client.delete_comparison(&id).await.err(),
+        client.job::<ComparisonKind>(&id).await.err(),
+        client.cancel::<ComparisonKind>(&id).await.err(),
+        client.remove::<ComparisonKind>(&id).await.err(),
         client.comparison_figure(&id, Figure::Pareto).await.err(),
         client.comparison_trials(&id).await.err(),
         client.comparison_report(&id).await.err(),
@@ -124,7 +124,7 @@ async fn every_method_asks_its_route_for_its_kind() {
     assert_eq!(*seen.lock().unwrap(), expected);
 }
 
-/// The bug to fear: the page of some proxy, or columns in another order, taken for trials.
+/// Guards against the page of some proxy, or columns in another order, taken for trials.
 #[tokio::test]
 async fn what_is_not_what_was_asked_for_is_refused() {
     const HEADER: &str = "environment,contender,trial,arrived,time_s,deviation_m,recognised_samples,covered_samples,samples";

@@ -4,7 +4,9 @@ use super::*;
 use crate::test_server::{Server, answer, json};
 use hyper::{HeaderMap, Method, StatusCode};
 use std::sync::{Arc, Mutex};
+use umwelt_api::comparison::ComparisonKind;
 use umwelt_api::event::Kind;
+use umwelt_api::evolution::EvolutionKind;
 use umwelt_api::problem::Status;
 
 const NOT_FOUND: &str =
@@ -92,7 +94,7 @@ async fn an_evolution_is_followed_over_a_restart_until_it_has_ended() {
     };
     let client = Client::new(&server.url).unwrap();
     let id = "evolution-1".parse().unwrap();
-    let events = client.evolution_events(&id, None).await.unwrap();
+    let events = client.job_events::<EvolutionKind>(&id, None).await.unwrap();
     let told = events.map(|event| match event {
         Ok(event) => format!("{} {}", event.kind.name(), event.id),
         Err(error) => format!("transient {}", error.is_transient()),
@@ -135,7 +137,8 @@ async fn a_comparison_is_followed_over_a_restart_until_it_has_ended() {
         .await
     };
     let client = Client::new(&server.url).unwrap();
-    let events = client.comparison_events(&"comparison-1".parse().unwrap()).await.unwrap();
+    let events =
+        client.job_events::<ComparisonKind>(&"comparison-1".parse().unwrap(), None).await.unwrap();
     let told = events.map(|event| match event {
         Ok(event) => format!("{} {}", event.kind.name(), event.id),
         Err(error) => format!("transient {}", error.is_transient()),

@@ -57,6 +57,8 @@ impl JobKind for EvolutionKind {
         listed: "The evolutions.",
         event_id: "Generations that have ended: never decreasing, the same after a restart.",
     };
+    /// Each may have a report of some tens of kilobytes.
+    const PAGE_SIZE: u64 = 50;
     type Id = EvolutionId;
     type Request = Request;
     type Spec = Spec;

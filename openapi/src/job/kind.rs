@@ -4,6 +4,7 @@ use super::State;
 use crate::body;
 use crate::check::Checked;
 use crate::id::InvalidId;
+use crate::page::MAX_PAGE_SIZE;
 use crate::problem::Problems;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -30,6 +31,8 @@ pub trait JobKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     const LIST: &'static str;
     /// How the contract describes it.
     const DESCRIPTION: JobDescription;
+    /// Jobs of a page that a client asks for, where it wants all of them.
+    const PAGE_SIZE: u64 = MAX_PAGE_SIZE;
     /// What names a job.
     type Id: Wire + Eq + Display + AsRef<str> + FromStr<Err = InvalidId>;
     /// What one sends to submit a job.

@@ -1,11 +1,13 @@
 //! How comparisons are shown.
 
 use super::*;
+use crate::cli::job::noun::listed;
 use crate::compare::tests::COMPARISON;
 use umwelt_api::comparison::{
     Claim, Entry, EnvironmentReport, Estimate, Finding, FindingResult, FindingSubject, Quantities,
     Recognition, Reductions, Report,
 };
+use umwelt_api::comparison::{Outcome, Page};
 
 fn comparison() -> Comparison {
     serde_json::from_str(COMPARISON).unwrap()
@@ -128,7 +130,7 @@ comparison-12: queued, waiting for its turn
     let succeeded = Comparison {
         state: State::Succeeded,
         interrupted: 1,
-        report: Some(report()),
+        outcome: Outcome { report: Some(report()) },
         ..comparison()
     };
     let text = show(&succeeded);
@@ -160,14 +162,14 @@ fn comparisons_are_a_table() {
     };
     let mut without = comparison();
     without.spec.prior = None;
-    let page = Page { comparisons: vec![running, without], ..Page::default() };
+    let page = Page { jobs: vec![running, without], ..Page::default() };
     assert_eq!(
-        list(&page),
+        listed(&page),
         "\
 COMPARISON     STATE     TRIAL  RAN FOR  SCENARIO  METHODS  SEED  PRIOR
 comparison-12  running  5/1000    1 min  thesis          3     1  thesis
 comparison-12  queued   0/1000    0.0 s  thesis          3     1  -
 "
     );
-    assert_eq!(list(&Page::default()), "");
+    assert_eq!(listed(&Page::default()), "");
 }

@@ -1,10 +1,12 @@
 //! How evolutions are shown.
 
 use super::*;
+use crate::cli::job::noun::listed;
 use crate::evolve::tests::EVOLUTION;
 use umwelt_api::evolution::{
     Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment, Ranking,
 };
+use umwelt_api::evolution::{Outcome, Page};
 use umwelt_api::robot::Prior;
 
 fn evolution() -> Evolution {
@@ -122,8 +124,7 @@ evolution-12: queued, waiting for its turn
     let succeeded = Evolution {
         state: State::Succeeded,
         interrupted: 2,
-        prior: "mine".parse().ok(),
-        champion: Some(champion()),
+        outcome: Outcome { prior: "mine".parse().ok(), champion: Some(champion()) },
         ..evolution()
     };
     let text = show(&succeeded);
@@ -163,9 +164,9 @@ fn evolutions_and_generations_are_tables() {
         },
         ..evolution()
     };
-    let page = Page { evolutions: vec![running, evolution()], ..Page::default() };
+    let page = Page { jobs: vec![running, evolution()], ..Page::default() };
     assert_eq!(
-        list(&page),
+        listed(&page),
         "\
 EVOLUTION     STATE    GENERATION   BEST  MEAN  RAN FOR  OPTIMIZER  SEED  PRIOR
 evolution-12  running        5/12  1.320     -    1 min  genetic       1  -
@@ -203,5 +204,5 @@ GENERATION   BEST   MEAN  ENVIRONMENT  BEST DEVIATION  MEAN DEVIATION  BEST TIME
                           dead                      -               -          -          -  0.000 %
 "
     );
-    assert_eq!(list(&Page::default()) + &generations_table(&GenerationsPage::default()), "");
+    assert_eq!(listed(&Page::default()) + &generations_table(&GenerationsPage::default()), "");
 }
