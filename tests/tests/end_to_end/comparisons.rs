@@ -36,7 +36,7 @@ async fn a_comparison_says_the_same_on_the_command_line_over_http_and_offline() 
     let server = Server::start();
     let url = server.url();
     let arguments: Vec<&str> =
-        ["--server", &url, "compare"].into_iter().chain(FLAGS.split(' ')).collect();
+        ["--server", &url, "compare", "--watch"].into_iter().chain(FLAGS.split(' ')).collect();
     let said = call_within("umwelt", &arguments, COMPARISON).await;
     assert_eq!(said.code, Some(0), "{}", said.log);
     let text = said.output.join("\n");

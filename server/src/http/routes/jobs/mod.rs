@@ -206,3 +206,6 @@ fn idempotency_key(headers: &HeaderMap) -> Result<Option<IdempotencyKey>, Failur
     let key = String::from_utf8_lossy(value.as_bytes()).parse::<IdempotencyKey>();
     Ok(Some(key.map_err(Problems::from)?))
 }
+
+#[cfg(test)]
+mod tests;
