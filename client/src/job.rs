@@ -147,8 +147,91 @@ impl Client {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::tests::COMPARISON;
+    use crate::test_server::{Server, answer, json};
+    use futures_util::{StreamExt, TryStreamExt};
+    use hyper::StatusCode;
     use std::collections::BTreeSet;
-    use umwelt_api::{comparison, evolution};
+    use std::sync::{Arc, Mutex};
+    use umwelt_api::job::{JobDescription, JobNews};
+    use umwelt_api::{PriorId, comparison, evolution};
+
+    /// A third kind, of which no other code knows; it looks like a comparison, and its ids stand in fields of its name.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct CountingKind;
+
+    impl JobKind for CountingKind {
+        const NAME: &'static str = "counting";
+        const LIST: &'static str = "countings";
+        const DESCRIPTION: JobDescription = comparison::ComparisonKind::DESCRIPTION;
+        type Id = PriorId;
+        type Request = comparison::Request;
+        type Spec = comparison::Spec;
+        type Progress = comparison::Progress;
+        type Outcome = comparison::Outcome;
+        type News = comparison::Kind;
+
+        fn id(number: u64) -> PriorId {
+            format!("counting-{number}").parse().unwrap()
+        }
+
+        fn event_id(progress: &comparison::Progress) -> u64 {
+            progress.trials_done
+        }
+
+        fn episodes(progress: &comparison::Progress) -> (u64, u64) {
+            (progress.episodes, progress.total_episodes)
+        }
+    }
+
+    #[tokio::test]
+    async fn a_third_kind_has_every_call() {
+        let counting = COMPARISON.replace("comparison", "counting");
+        let seen = Arc::new(Mutex::new(Vec::new()));
+        let server = {
+            let (seen, counting) = (Arc::clone(&seen), counting.clone());
+            Server::start(move |request| {
+                let (method, uri) = (request.method().to_string(), request.uri().to_string());
+                let counting = counting.clone();
+                seen.lock().unwrap().push(format!("{method} {uri}"));
+                async move {
+                    if uri.ends_with("/events") {
+                        let job: serde_json::Value = serde_json::from_str(&counting).unwrap();
+                        let event = serde_json::json!({"id": 0, "counting": "counting-12", "type": "state",
+                            "state": "failed", "progress": job["progress"], "error": null});
+                        let event = format!("id: 0\ndata: {event}\n\n");
+                        return answer(StatusCode::OK, "text/event-stream", &event);
+                    }
+                    let page = format!(r#"{{"countings": [{counting}], "next_page_token": null}}"#);
+                    json(StatusCode::OK, if uri.contains('?') { &page } else { &counting })
+                }
+            })
+            .await
+        };
+        let client = Client::new(&server.url).unwrap();
+        type K = CountingKind;
+        let submitted = client.submit::<K>(&comparison::Request::default(), None).await.unwrap();
+        let id = K::id(12);
+        assert_eq!((&submitted.id, &submitted), (&id, &serde_json::from_str(&counting).unwrap()));
+        assert_eq!(client.job::<K>(&id).await.unwrap(), submitted);
+        let listed: Vec<_> = client.jobs::<K>(Some(State::Queued)).try_collect().await.unwrap();
+        let whole: JobPage<K> = client.whole(None).await.unwrap();
+        assert_eq!((&listed, &whole.jobs), (&vec![submitted.clone()], &listed));
+        assert_eq!(client.cancel::<K>(&id).await.unwrap(), submitted);
+        client.remove::<K>(&id).await.unwrap();
+        let events: Vec<_> = client.job_events::<K>(&id, Some(0)).await.unwrap().collect().await;
+        assert_eq!(events[0].as_ref().unwrap().kind.state().unwrap().0, State::Failed);
+        let expected = [
+            "POST /v1/countings",
+            "GET /v1/countings/counting-12",
+            "GET /v1/countings?page_size=500&state=queued",
+            "GET /v1/countings?page_size=500",
+            "POST /v1/countings/counting-12/cancel",
+            "DELETE /v1/countings/counting-12",
+            "GET /v1/countings/counting-12/events",
+        ];
+        assert_eq!(*seen.lock().unwrap(), expected);
+    }
 
     #[test]
     fn fresh_keys_are_all_different() {

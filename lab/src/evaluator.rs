@@ -1,7 +1,7 @@
 //! Who evaluates the episodes of jobs: the threads of this process ([`crate::pool`]), or workers in other processes.
 //!
-//! Invariant: an evaluation is a function of the settings of the job and of its episode ([`Work::evaluate`]), so whoever
-//! evaluates a batch, in whatever order and however often, gives the same evaluations, bit for bit.
+//! Invariant: an evaluation is a function of the settings of the job and of its episode ([`Work::evaluate`]), so any
+//! evaluator gives the same evaluations for a batch, in whatever order and however often, bit for bit.
 
 use crate::work::Work;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -64,8 +64,8 @@ impl Pool {
         self.0.current_num_threads()
     }
 
-    /// One batch of the job of this id: what `work` asks for now is evaluated by `evaluator`, be it this pool, and told
-    /// to it. Blocks until that is done.
+    /// One batch of the job of this id: what `work` asks for now is evaluated by `evaluator`, be it this pool, and given
+    /// back to it. Blocks until that is done.
     ///
     /// # Errors
     /// Where it was stopped or failed; after a panic the work is not to be used any more.

@@ -50,7 +50,7 @@ Scenarios:
   link-change   the same way; the link is bad from 0.8 to 1.6 m
   bursty        the same way over bursty Wi-Fi with silences, on a hard and on a slippery floor
   outage        the same way; nothing gets through for 4 s
-  systematic    the thesis's way with a robot that is not as its controller was told
+  systematic    the thesis's way with a robot that is not as its controller assumes
 
 A comparison runs on the server, at low priority, one at a time, and outlives its restarts. With --watch the exit status
 is 0 once it has succeeded; Ctrl-C ends the watching, not the comparison. With --json --watch each event is a line, the
@@ -146,7 +146,7 @@ mod tests {
         let client = Client::new(&server.url).unwrap();
         let (mut output, written) = Output::kept(false);
         compare("").run(&client, &mut output).await.unwrap();
-        // As earlier versions had to be told.
+        // As in earlier versions.
         compare("--detach").run(&client, &mut output).await.unwrap();
         let text = String::from_utf8(written.lock().unwrap().clone()).unwrap();
         let line =

@@ -18,7 +18,7 @@ use umwelt_api::prior::{Page, Prior, Source, Spec};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// List priors: those that come with the server, those that somebody put, those that evolutions found
+    /// List priors: those that come with the server, those that were put, those that evolutions found
     List,
     /// Show a prior, where it comes from and which robots use it
     #[command(after_help = "\

@@ -32,7 +32,7 @@ impl Client {
         self.text(url, comparison::TRIALS_MEDIA_TYPE, "list of trials", is_right).await
     }
 
-    /// What came of a comparison, for people, as Markdown.
+    /// The report of a comparison for people, as Markdown.
     ///
     /// # Errors
     /// FAILED_PRECONDITION before it has succeeded, NOT_FOUND where it is not known, [`Error::Protocol`] where the

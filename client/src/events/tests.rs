@@ -95,14 +95,14 @@ async fn an_evolution_is_followed_over_a_restart_until_it_has_ended() {
     let client = Client::new(&server.url).unwrap();
     let id = "evolution-1".parse().unwrap();
     let events = client.job_events::<EvolutionKind>(&id, None).await.unwrap();
-    let told = events.map(|event| match event {
+    let words = events.map(|event| match event {
         Ok(event) => format!("{} {}", event.kind.name(), event.id),
         Err(error) => format!("transient {}", error.is_transient()),
     });
     // One more than it should have: a stream that does not end fails here rather than hangs.
-    let told: Vec<_> = told.take(6).collect().await;
+    let words: Vec<_> = words.take(6).collect().await;
     let expected = ["generation 1", "state 1", "transient true", "state 1", "state 2"];
-    assert_eq!(told, expected);
+    assert_eq!(words, expected);
     assert_eq!(*seen.lock().unwrap(), [None, Some(1)]);
 }
 
@@ -139,12 +139,12 @@ async fn a_comparison_is_followed_over_a_restart_until_it_has_ended() {
     let client = Client::new(&server.url).unwrap();
     let events =
         client.job_events::<ComparisonKind>(&"comparison-1".parse().unwrap(), None).await.unwrap();
-    let told = events.map(|event| match event {
+    let words = events.map(|event| match event {
         Ok(event) => format!("{} {}", event.kind.name(), event.id),
         Err(error) => format!("transient {}", error.is_transient()),
     });
     // One more than it should have: a stream that does not end fails here rather than hangs.
-    let told: Vec<_> = told.take(6).collect().await;
-    assert_eq!(told, ["state 0", "state 4", "transient true", "state 4", "state 9"]);
+    let words: Vec<_> = words.take(6).collect().await;
+    assert_eq!(words, ["state 0", "state 4", "transient true", "state 4", "state 9"]);
     assert_eq!(*seen.lock().unwrap(), [None, Some(4)]);
 }

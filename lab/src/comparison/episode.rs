@@ -4,7 +4,7 @@ use super::witness::{Coverage, Errors};
 use serde::{Deserialize, Serialize};
 use umwelt_core::conjugate::SampleStatistics;
 
-/// One episode to drive: with the settings of the comparison all that it takes, whoever drives it.
+/// One episode to drive: with the settings of the comparison all that it takes to drive it anywhere.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
     pub(super) driver: Driver,

@@ -1,4 +1,4 @@
-//! What came of a comparison: every contender's distributions in numbers, and what the thesis's claims come to.
+//! The report of a comparison: every contender's distributions in numbers, and what the thesis's claims come to.
 
 use super::bootstrap::{Replicates, Resamples, Sorted};
 use super::contender::{BASELINE, CHAMPION, Contender};
@@ -64,7 +64,7 @@ pub struct Entry {
     pub difference: Option<Difference>,
 }
 
-/// An environment, with everybody in it.
+/// An environment, with every contender in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentReport {
     /// Its name.
@@ -87,7 +87,7 @@ pub struct Claim {
     pub time: Quantities<Estimate>,
 }
 
-/// What came of a comparison.
+/// The report of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Trials of each contender in each environment.

@@ -1,4 +1,4 @@
-//! A comparison as work: a batch is a trial of everybody everywhere, or several.
+//! A comparison as work: a batch is one or several trials of every contender in every environment.
 
 use super::{
     Comparison, ComparisonSettings, Distribution, Episode, Evaluation, Report, STATE_VERSION,

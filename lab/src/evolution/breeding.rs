@@ -9,7 +9,7 @@ use super::{CANDIDATES, Evolution, empirical_bayes, genetic};
 use crate::seeds::{self, Purpose};
 
 impl Evolution {
-    /// Takes in a generation, breeds the next one, and gives what came of it.
+    /// Takes in a generation, breeds the next one, and gives its results.
     pub(super) fn end_generation(
         &mut self,
         generation: usize,

@@ -10,7 +10,7 @@ use super::settings::EvolutionSettings;
 use umwelt_core::settings::Prior;
 
 impl Evolution {
-    /// Gives up after some generations in which, as before them, nobody has arrived.
+    /// Gives up after some generations in which, as before them, no robot has arrived.
     pub(super) fn give_up_without_arrivals(&mut self, generation: usize) {
         let enough = GENERATIONS_WITHOUT_ARRIVAL.min(self.settings.generations);
         if self.state.arrivals == Some(0) && generation + 1 >= enough {
@@ -47,7 +47,7 @@ impl Evolution {
         ]
     }
 
-    /// What came of the champion and of what it has to beat.
+    /// The results of the champion and of what it has to beat.
     pub(super) fn make_report(&self, evaluations: &[Evaluation]) -> Report {
         let environments = &self.settings.environments;
         let trials = self.settings.report_trials;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use umwelt_core::conjugate::SampleStatistics;
 use umwelt_core::settings::{Method, Prior};
 
-/// One episode to drive: with the settings of the evolution all that it takes, whoever drives it.
+/// One episode to drive: with the settings of the evolution all that it takes to drive it anywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
     /// Number of the individual, of the candidate or of who is reported.

@@ -29,7 +29,7 @@ pub struct GenerationEnvironment {
     pub arrived: f64,
 }
 
-/// What came of a generation.
+/// The results of a generation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Generation {
     /// Its number, from 0.
@@ -42,7 +42,7 @@ pub struct Generation {
     pub environments: Vec<GenerationEnvironment>,
 }
 
-/// What came of `individuals`, whose evaluations follow one another: for each its environments, for each its trials.
+/// The results of `individuals`, whose evaluations follow one another: for each its environments, for each its trials.
 pub(super) fn summary(
     index: usize,
     environments: &[TrainingEnvironment],

@@ -4,7 +4,7 @@
 //! [`Evolution`] is a state machine without a clock, a thread or a file: [`Evolution::batch`] says which episodes are to
 //! be driven now, [`Evolution::evaluate`] drives one of them, on whatever thread, and [`Evolution::tell`] takes the
 //! evaluations in and goes on. Between two `tell`s its whole state can be stored and taken up again: the result is
-//! the same, bit for bit, whoever evaluates the episodes and in whatever order.
+//! the same, bit for bit, wherever the episodes are evaluated and in whatever order.
 //!
 //! 1. *Reference*: fixed-normal drives each environment; its mean fitness becomes the unit there.
 //! 2. *Generations*: every individual drives the same seeds (common random numbers), fresh ones each generation.

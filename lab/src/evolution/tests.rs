@@ -1,4 +1,4 @@
-//! The whole of an evolution: what it says, and that nobody can tell how it was run.
+//! The whole of an evolution: what it says, and that its result does not show how it was run.
 
 use super::*;
 use proptest::prelude::*;
@@ -95,7 +95,7 @@ fn another_seed_is_another_evolution() {
     assert_ne!(one.report(), other.report());
 }
 
-/// The bug to fear: a champion reported on the seeds that made it champion, or individuals compared on different ones.
+/// Guards against a champion reported on the seeds that made it champion, or individuals compared on different ones.
 #[test]
 fn seeds_are_common_within_a_generation_and_fresh_for_everything_else() {
     let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
@@ -232,9 +232,9 @@ fn made_up(
     (evolution, generations)
 }
 
-/// The bug to fear: a prior that was drawn at random, offered as what an evolution has found.
+/// Guards against a prior that was drawn at random, offered as what an evolution has found.
 #[test]
-fn where_nobody_arrives_there_is_no_report_but_a_reason() {
+fn where_no_robot_arrives_there_is_no_report_but_a_reason() {
     for optimizer in [Optimizer::Genetic, Optimizer::CmaEs, Optimizer::EmpiricalBayes] {
         for (generations, enough) in [(2, 2), (9, GENERATIONS_WITHOUT_ARRIVAL)] {
             let settings = EvolutionSettings { generations, ..small(optimizer) };

@@ -81,7 +81,7 @@ impl Progress {
         let elapsed = self.begin.elapsed().as_secs_f64();
         let left = remaining(elapsed, episodes, total);
         let left = left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
-        // Nobody may read it; the job goes on.
+        // It may not be read; the job goes on.
         let _ = writeln!(
             std::io::stderr(),
             "{stage}; {episodes} of {total} episodes in {elapsed:.0} s{left}"

@@ -65,7 +65,7 @@ fn text(report: &Report) -> String {
     markdown(&ComparisonSettings::scenario("thesis").unwrap(), "thesis", report)
 }
 
-/// The bug to fear: a report that reads well whatever the numbers are.
+/// Guards against a report that reads well whatever the numbers are.
 #[test]
 fn the_words_follow_the_numbers() {
     let bought = text(&report(0.5, -1.0));

@@ -1,4 +1,4 @@
-//! Comparisons: what a request means, and what came of it.
+//! Comparisons: what a request means, and how results are shown.
 
 use super::pace::Pace;
 use super::verdict::judged;
@@ -30,7 +30,7 @@ pub fn read(
 /// What is to be run for `request`, all filled in.
 ///
 /// # Errors
-/// Every value out of its range, every method and prior that nobody knows, and what contradicts the rest.
+/// Every value out of its range, every unknown method and prior, and what contradicts the rest.
 pub fn settings(
     request: &Request,
     known: impl Fn(&str) -> Known<Prior>,
@@ -77,7 +77,7 @@ fn resolve(
     settings
 }
 
-/// Those of `all` that are asked for, in the order of `all`; none where nobody knows one of them.
+/// Those of `all` that are asked for, in the order of `all`; none where one of them is unknown.
 fn contenders(request: &Request, all: &[Contender], check: &mut Check) -> Option<Vec<Contender>> {
     let Some(methods) = &request.methods else { return Some(all.to_vec()) };
     let mut asked = vec![false; all.len()];
@@ -230,7 +230,7 @@ fn claim(lab: &lab::Claim, report: &lab::Report) -> Claim {
     let here = report.environments.iter().find(|it| it.environment == lab.environment);
     let arrived = |label: &str| {
         let mut entries = here.iter().flat_map(|here| &here.entries);
-        // Whoever is claimed for has driven there.
+        // The contender of a claim has driven there.
         entries.find(|it| it.contender == label).map_or(0.0, |it| it.arrived.mean)
     };
     let claim = Claim {

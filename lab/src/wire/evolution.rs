@@ -1,4 +1,4 @@
-//! Evolutions: what a request and its preset mean, and what came of it.
+//! Evolutions: what a request and its preset mean, and how results are shown.
 
 use super::pace::Pace;
 use super::verdict::{champion, entry};
@@ -28,7 +28,7 @@ pub fn read(
 /// What is to be run for `request`, all filled in.
 ///
 /// # Errors
-/// Every value out of its range, every environment that nobody knows, and what contradicts the rest.
+/// Every value out of its range, every unknown environment, and what contradicts the rest.
 pub fn settings(
     request: &Request,
     known: impl Fn(&str) -> Known<TrainingEnvironment>,

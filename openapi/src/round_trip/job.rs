@@ -1,4 +1,4 @@
-//! The names of evolutions and comparisons. What they mean is told in `umwelt-lab`.
+//! The names of evolutions and comparisons. What they mean stands in `umwelt-lab`.
 
 use crate::comparison::{self, Scenario};
 use crate::evolution;

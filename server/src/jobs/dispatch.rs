@@ -336,7 +336,7 @@ mod tests {
         (record.state, record.error.clone())
     }
 
-    /// Guards against one job that panics takes the server with it, or all that wait.
+    /// Guards against one job that panics and takes the server with it, or all that wait.
     #[tokio::test]
     async fn a_job_that_panics_fails_and_the_next_has_its_turn() {
         let jobs = open(&Arc::default()).await;
@@ -350,7 +350,7 @@ mod tests {
         );
     }
 
-    /// Guards against work that asks for nothing more and has no report keeps its turn for ever.
+    /// Guards against work that asks for nothing more has no report, and keeps its turn for ever.
     #[tokio::test]
     async fn a_job_that_cannot_succeed_fails_with_its_reason_and_keeps_what_it_has_left() {
         let store = Arc::default();
@@ -367,7 +367,7 @@ mod tests {
         );
     }
 
-    /// Guards against a report is there, and what the last batch has left is not.
+    /// Guards against a report without what the last batch has left.
     #[tokio::test]
     async fn what_the_last_batch_leaves_is_kept_with_the_report() {
         let store = Arc::default();

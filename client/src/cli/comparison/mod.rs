@@ -23,14 +23,14 @@ pub(super) enum Command {
         #[arg(long, value_parser = input::named::<State>(STATES))]
         state: Option<State>,
     },
-    /// Show a comparison: what was asked for, how far it has got, what came of it
+    /// Show a comparison: what was asked for, how far it has got, its report
     #[command(after_help = report::ABOUT)]
     Show {
         /// The comparison
         #[arg(value_name = "ID")]
         comparison: ComparisonId,
     },
-    /// Show progress until it has ended, then what came of it; Ctrl-C ends the watching alone
+    /// Show progress until it has ended, then its report; Ctrl-C ends the watching alone
     #[command(after_help = "Example:\n  umwelt comparison watch comparison-12")]
     Watch {
         /// The comparison

@@ -1,4 +1,4 @@
-//! What came of a comparison, in tables and in the words of the verdicts.
+//! The report of a comparison, in tables and in the words of the verdicts.
 
 use super::super::quantity::{UNKNOWN, of_arrivals, or_unknown};
 use super::super::table::{Column, Table};

@@ -82,9 +82,9 @@ normal       champion            1.320  1.300 .. 1.340  21.2 s    12.3 mm   99.5
     assert!(text.contains("\nforward  0.0000  1.000  4.000  4.500e-2  0.1500\n"), "{text}");
 }
 
-/// The bug to fear: 0.0 s and 0.0 mm of robots that stood still.
+/// Guards against 0.0 s and 0.0 mm of robots that stood still.
 #[test]
-fn where_nobody_arrived_there_is_neither_time_nor_deviation() {
+fn without_arrivals_there_is_neither_time_nor_deviation() {
     let mut champion = champion();
     for entry in &mut champion.entries {
         let result = &mut entry.environments[1];

@@ -51,7 +51,7 @@ fn settings() -> impl Strategy<Value = (ComparisonSettings, &'static str)> {
     )
 }
 
-/// What asks for `settings`: what it was told, all filled in, without what the scenario says.
+/// What asks for `settings`: what was asked for, all filled in, without what the scenario says.
 fn asking_for(settings: &ComparisonSettings, prior: &str) -> Value {
     let mut spec = serde_json::to_value(wire::comparison::spec(settings, prior)).unwrap();
     let fields = spec.as_object_mut().unwrap();
@@ -171,7 +171,7 @@ fn a_method_is_all_its_slots_and_a_label_one_of_them() {
     assert_eq!(of(&lab::method_names().collect::<Vec<_>>()), labels(&thesis()));
 }
 
-/// The bug to fear: somebody who mistypes a method compares something else and is not told.
+/// Guards against a mistyped method that compares something else without an error.
 #[test]
 fn methods_that_are_unknown_or_repeated_are_told_with_those_that_there_are() {
     let of = |methods: &[&str]| problems(read(&json!({ "methods": methods })));
@@ -338,7 +338,7 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
     assert_eq!(serde_json::from_str::<comparison::Event>(&json).unwrap(), event);
 }
 
-/// Nobody who stood still has a deviation, and nobody is better than that by a part of it.
+/// A robot that stood still has no deviation, and no other is better than that by a part of it.
 #[test]
 fn a_reduction_of_nothing_is_null() {
     let number = |mean: f64| crate::evolution::Estimate { mean, low: mean, high: mean };

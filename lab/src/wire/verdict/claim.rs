@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_share_of_the_promise_is_told_and_so_is_its_opposite() {
+    fn a_share_of_the_promise_is_named_and_so_is_its_opposite() {
         assert_eq!(
             words(Some((0.123, 0.081, 0.16)), Some((-1.04, -1.08, -1.0))),
             "deviation 12.3 % smaller (95 %: 8.1 to 16.0): 16 % of the thesis's 75 %; \
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_next_to_nothing_and_what_does_not_exist_is_told() {
+    fn what_is_next_to_nothing_and_what_does_not_exist_is_named() {
         let little = words(Some((0.002, 0.001, 0.003)), None);
         assert!(little.contains("): less than 1 % of the thesis's 75 %;"), "{little}");
         assert!(little.ends_with("time cannot be said as a part of the other's, which is zero"));
@@ -215,16 +215,16 @@ mod tests {
 
     /// Guards against a robot that stands still and is praised for how little it deviates.
     #[test]
-    fn who_did_not_arrive_is_told() {
+    fn robots_that_did_not_arrive_are_named() {
         let less = Some((0.75, 0.7, 0.8));
         let of = |arrived, against_arrived| {
             let claim = Claim { arrived, against_arrived, ..claim(less, less) };
             judged(claim).verdict
         };
         assert!(!of(1.0, 1.0).contains("arrived"));
-        let told = "; not all arrived: bayesian/20 in 12.5 % of the trials, statistic/20 in 100.0 %, the others count \
+        let words = "; not all arrived: bayesian/20 in 12.5 % of the trials, statistic/20 in 100.0 %, the others count \
                     with the time limit and as far as they got";
-        assert!(of(0.125, 1.0).ends_with(told), "{}", of(0.125, 1.0));
+        assert!(of(0.125, 1.0).ends_with(words), "{}", of(0.125, 1.0));
         assert!(of(1.0, 0.9999).contains("statistic/20 in more than 99.9 %"));
         let nothing =
             "statistic/20 arrived in no trial, so neither deviation nor time says anything";

@@ -69,7 +69,7 @@ fn records_of_every_version_mean_what_they_meant() {
     };
     golden(&kept::FORM, "jobs/comparison/golden/least", 2, Record::read, write);
     let newest = golden(&kept::FORM, "jobs/comparison/golden/record", 2, Record::read, write);
-    // A contender and an environment have no name but their own; what came of it has no other meaning.
+    // A contender and an environment have no name but their own; its result has no other meaning.
     let essential = [
         "state",
         "settings",

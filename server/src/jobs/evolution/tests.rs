@@ -53,7 +53,7 @@ fn another_version_is_told_from_damage() {
     }
 }
 
-/// Guards against JSON has no infinity, so what was acknowledged could never be read again.
+/// Guards against an infinity, which JSON has not, so that what was acknowledged could never be read again.
 #[test]
 fn a_record_that_would_not_be_read_back_is_refused() {
     let checkpoint = checkpoint();
@@ -86,7 +86,7 @@ fn records_of_every_version_mean_what_they_meant() {
         golden(&kept::FORM, &format!("jobs/evolution/golden/{name}"), 2, Record::read, write);
     }
     let newest = golden(&kept::FORM, "jobs/evolution/golden/record", 1, Record::read, write);
-    // Nothing else says where a job stands, what its champion is called, or what came of it.
+    // Nothing else says where a job stands, what its champion is called, or its result.
     let essential = [
         "state",
         "own",
