@@ -1,4 +1,4 @@
-//! Work without robots: the pool is tested with it.
+//! Work without robots: what all kinds of jobs share is tested with it, here and in the server.
 
 use crate::work::{BatchOutcome, Work};
 use serde::{Deserialize, Serialize};
@@ -6,25 +6,28 @@ use std::time::{Duration, Instant};
 
 /// What a [`FakeWork`] is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct FakeSettings {
-    pub(super) batches: usize,
-    /// Of each batch.
-    pub(super) episodes: usize,
+pub struct FakeSettings {
+    /// How many batches there are.
+    pub batches: usize,
+    /// Episodes of each batch.
+    pub episodes: usize,
     /// Time in µs that an episode takes.
-    pub(super) micros: u64,
+    pub micros: u64,
     /// Whether the first episode panics.
-    pub(super) panics: bool,
+    pub panics: bool,
+    /// Whether the last batch leaves a reason for a failure rather than a report.
+    pub fails: bool,
 }
 
 impl Default for FakeSettings {
     fn default() -> Self {
-        Self { batches: 1, episodes: 10, micros: 0, panics: false }
+        Self { batches: 1, episodes: 10, micros: 0, panics: false, fails: false }
     }
 }
 
 /// Counts: the place of an evaluation shows in the sum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct FakeWork {
+pub struct FakeWork {
     version: u32,
     settings: FakeSettings,
     done: usize,
@@ -75,6 +78,11 @@ impl Work for FakeWork {
         self.report.as_ref()
     }
 
+    fn failure(&self) -> Option<String> {
+        let over = self.done == self.settings.batches;
+        (over && self.settings.fails).then(|| "it counts no further".to_owned())
+    }
+
     fn batch(&self) -> Vec<usize> {
         (0..self.settings.episodes).collect()
     }
@@ -92,7 +100,8 @@ impl Work for FakeWork {
         let weighed = evaluations.iter().zip(1..).map(|(&it, place): (_, usize)| it * place);
         self.sum += weighed.sum::<usize>() as u64;
         self.done += 1;
-        self.report = (self.done == self.settings.batches).then_some(self.sum);
+        let over = self.done == self.settings.batches;
+        self.report = (over && !self.settings.fails).then_some(self.sum);
         Ok(BatchOutcome { parts: vec![(self.done - 1, self.sum)], latest: Some(self.sum) })
     }
 }

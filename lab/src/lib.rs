@@ -15,8 +15,8 @@ pub mod comparison;
 pub mod csv;
 pub mod evaluator;
 pub mod evolution;
-#[cfg(test)]
-mod fake_work;
+#[cfg(any(test, feature = "fake-work"))]
+pub mod fake_work;
 pub mod figures;
 pub mod offline;
 pub mod peers;

@@ -1,42 +1,10 @@
-//! A kind of job without robots: what all kinds share is tested with it.
+//! Lab's work without robots among the jobs of the server: the kind with which tests show what all kinds share.
 
 use super::record::UPGRADES;
 use super::work::Work;
 use crate::store::JobKind;
 use crate::store::document::Form;
-use serde::{Deserialize, Serialize};
-use std::time::{Duration, Instant};
-use umwelt_lab::work::{self, BatchOutcome};
-
-/// What a [`FakeWork`] is to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct FakeSettings {
-    pub(crate) batches: usize,
-    /// Of each batch.
-    pub(crate) episodes: usize,
-    /// Time in µs that an episode takes.
-    pub(crate) micros: u64,
-    /// Whether the first episode panics.
-    pub(crate) panics: bool,
-    /// Whether the last batch leaves a reason rather than a report.
-    pub(crate) fails: bool,
-}
-
-impl Default for FakeSettings {
-    fn default() -> Self {
-        Self { batches: 1, episodes: 10, micros: 0, panics: false, fails: false }
-    }
-}
-
-/// Counts: the place of an evaluation shows in the sum.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct FakeWork {
-    version: u32,
-    settings: FakeSettings,
-    done: usize,
-    sum: u64,
-    report: Option<u64>,
-}
+pub(crate) use umwelt_lab::fake_work::{FakeSettings, FakeWork};
 
 impl Work for FakeWork {
     const KIND: JobKind = JobKind::Counting;
@@ -51,76 +19,5 @@ impl Work for FakeWork {
 
     fn settings_of(settings: &FakeSettings) -> Result<FakeSettings, String> {
         Ok(*settings)
-    }
-}
-
-impl work::Work for FakeWork {
-    const STATE_VERSION: u32 = 1;
-    type Settings = FakeSettings;
-    type State = Self;
-    type Stage = usize;
-    type Latest = u64;
-    type Part = u64;
-    type Report = u64;
-    type Episode = usize;
-    type Evaluation = usize;
-
-    fn resume(_: FakeSettings, state: Self) -> Result<Self, String> {
-        Ok(state)
-    }
-
-    fn settings(&self) -> &FakeSettings {
-        &self.settings
-    }
-
-    fn state(&self) -> &Self {
-        self
-    }
-
-    fn new(settings: FakeSettings) -> Result<Self, String> {
-        Ok(Self { version: Self::STATE_VERSION, settings, done: 0, sum: 0, report: None })
-    }
-
-    fn stage(&self) -> usize {
-        self.done
-    }
-
-    fn episodes(&self) -> u64 {
-        (self.done * self.settings.episodes) as u64
-    }
-
-    fn total_episodes(&self) -> u64 {
-        (self.settings.batches * self.settings.episodes) as u64
-    }
-
-    fn report(&self) -> Option<&u64> {
-        self.report.as_ref()
-    }
-
-    fn failure(&self) -> Option<String> {
-        let over = self.done == self.settings.batches;
-        (over && self.settings.fails).then(|| "it counts no further".to_owned())
-    }
-
-    fn batch(&self) -> Vec<usize> {
-        (0..self.settings.episodes).collect()
-    }
-
-    fn evaluate(settings: &FakeSettings, episode: &usize) -> usize {
-        assert!(!(settings.panics && *episode == 0), "no floor under the robot");
-        let begin = Instant::now();
-        while begin.elapsed() < Duration::from_micros(settings.micros) {
-            std::hint::spin_loop();
-        }
-        *episode
-    }
-
-    fn tell(&mut self, evaluations: &[usize]) -> Result<BatchOutcome<Self>, String> {
-        let weighed = evaluations.iter().zip(1..).map(|(&it, place): (_, usize)| it * place);
-        self.sum += weighed.sum::<usize>() as u64;
-        self.done += 1;
-        self.report =
-            (self.done == self.settings.batches && !self.settings.fails).then_some(self.sum);
-        Ok(BatchOutcome { parts: vec![(self.done - 1, self.sum)], latest: Some(self.sum) })
     }
 }

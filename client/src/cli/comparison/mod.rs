@@ -86,80 +86,68 @@ impl Command {
 impl Noun for ComparisonKind {
     const VERB: &'static str = "compare";
 
+    /// How far a comparison has got, as `trial 5/1000, 12.0 s left`.
     fn words(progress: &Progress) -> String {
-        words(progress)
-    }
-
-    fn table(jobs: &[Comparison]) -> String {
-        table(jobs)
-    }
-
-    fn show(job: &Comparison) -> String {
-        show(job)
-    }
-}
-
-/// How far a comparison has got, as `trial 5/1000, 12.0 s left`.
-fn words(progress: &Progress) -> String {
-    let Progress { trials_done, trials, remaining_s, .. } = *progress;
-    let left = time_left(remaining_s);
-    match progress.stage {
-        Stage::Queued => format!("waiting for its turn{left}"),
-        Stage::Reference => {
-            format!("measuring how each environment shows in the samples{left}")
+        let Progress { trials_done, trials, remaining_s, .. } = *progress;
+        let left = time_left(remaining_s);
+        match progress.stage {
+            Stage::Queued => format!("waiting for its turn{left}"),
+            Stage::Reference => {
+                format!("measuring how each environment shows in the samples{left}")
+            }
+            Stage::Trials => format!("trial {trials_done}/{trials}{left}"),
+            Stage::Done => format!("{trials} trials"),
         }
-        Stage::Trials => format!("trial {trials_done}/{trials}{left}"),
-        Stage::Done => format!("{trials} trials"),
     }
-}
 
-fn table(comparisons: &[Comparison]) -> String {
-    let mut table = Table::new([
-        Column::Text("COMPARISON"),
-        Column::Text("STATE"),
-        Column::Number("TRIAL"),
-        Column::Number("RAN FOR"),
-        Column::Text("SCENARIO"),
-        Column::Number("METHODS"),
-        Column::Number("SEED"),
-        Column::Text("PRIOR"),
-    ]);
-    for comparison in comparisons {
-        let Comparison { progress, spec, .. } = comparison;
-        table.row([
-            comparison.id.to_string(),
-            comparison.state.name().to_owned(),
-            format!("{}/{}", progress.trials_done, progress.trials),
-            span(progress.elapsed_s),
-            spec.scenario.clone(),
-            spec.methods.len().to_string(),
-            spec.seed.to_string(),
-            or_unknown(spec.prior.clone(), |prior| prior),
+    fn table(comparisons: &[Comparison]) -> String {
+        let mut table = Table::new([
+            Column::Text("COMPARISON"),
+            Column::Text("STATE"),
+            Column::Number("TRIAL"),
+            Column::Number("RAN FOR"),
+            Column::Text("SCENARIO"),
+            Column::Number("METHODS"),
+            Column::Number("SEED"),
+            Column::Text("PRIOR"),
         ]);
+        for comparison in comparisons {
+            let Comparison { progress, spec, .. } = comparison;
+            table.row([
+                comparison.id.to_string(),
+                comparison.state.name().to_owned(),
+                format!("{}/{}", progress.trials_done, progress.trials),
+                span(progress.elapsed_s),
+                spec.scenario.clone(),
+                spec.methods.len().to_string(),
+                spec.seed.to_string(),
+                or_unknown(spec.prior.clone(), |prior| prior),
+            ]);
+        }
+        table.to_string()
     }
-    table.to_string()
-}
 
-fn show(comparison: &Comparison) -> String {
-    let Comparison { spec, progress, .. } = comparison;
-    let mut lines = vec![
-        ("scenario", format!("{}: {}", spec.scenario, spec.environments.join(", "))),
-        ("methods", spec.methods.join(", ")),
-        (
-            "trials",
-            format!(
-                "{} of each in each environment, seed {}; not arrived after {:.0} s",
-                spec.trials, spec.seed, spec.time_limit_s
+    fn show(comparison: &Comparison) -> String {
+        let Comparison { spec, progress, .. } = comparison;
+        let mut lines = vec![
+            ("scenario", format!("{}: {}", spec.scenario, spec.environments.join(", "))),
+            ("methods", spec.methods.join(", ")),
+            (
+                "trials",
+                format!(
+                    "{} of each in each environment, seed {}; not arrived after {:.0} s",
+                    spec.trials, spec.seed, spec.time_limit_s
+                ),
             ),
-        ),
-        ("episodes", episodes(comparison, progress.elapsed_s)),
-    ];
-    lines.extend(spec.prior.as_ref().map(|prior| ("prior", format!("{prior}, of bayesian"))));
-    let mut text = described(comparison, &lines);
-    if let Some(report) = &comparison.outcome.report {
-        let _ = write!(text, "\n{}", report::text(report));
+            ("episodes", episodes(comparison, progress.elapsed_s)),
+        ];
+        lines.extend(spec.prior.as_ref().map(|prior| ("prior", format!("{prior}, of bayesian"))));
+        let mut text = described(comparison, &lines);
+        if let Some(report) = &comparison.outcome.report {
+            let _ = write!(text, "\n{}", report::text(report));
+        }
+        text
     }
-    text
 }
 
 #[cfg(test)]

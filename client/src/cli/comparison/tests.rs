@@ -117,7 +117,7 @@ no-compensation/1   99.5 %     21.2 s  170.0 s         12.3 mm  100.0 mm        
 #[test]
 fn a_comparison_is_shown_with_what_was_asked_for_and_what_came_of_it() {
     assert_eq!(
-        show(&comparison()),
+        ComparisonKind::show(&comparison()),
         "\
 comparison-12: queued, waiting for its turn
   scenario     thesis: normal, bad-link
@@ -133,12 +133,12 @@ comparison-12: queued, waiting for its turn
         outcome: Outcome { report: Some(report()) },
         ..comparison()
     };
-    let text = show(&succeeded);
+    let text = ComparisonKind::show(&succeeded);
     assert!(text.contains("resumed after one restart of the server"), "{text}");
     assert!(text.contains("of bayesian\n\nnormal:\nMETHOD"), "{text}");
     let error = Some("no space left".to_owned());
     let failed = Comparison { state: State::Failed, error, ..comparison() };
-    assert!(show(&failed).contains("error        no space left\n"));
+    assert!(ComparisonKind::show(&failed).contains("error        no space left\n"));
 }
 
 #[test]
@@ -146,11 +146,14 @@ fn progress_says_trial_and_time_left() {
     let progress = comparison().progress;
     let trials =
         Progress { stage: Stage::Trials, trials_done: 5, remaining_s: Some(12.34), ..progress };
-    assert_eq!(words(&trials), "trial 5/1000, 12.3 s left");
+    assert_eq!(ComparisonKind::words(&trials), "trial 5/1000, 12.3 s left");
     let reference = Progress { stage: Stage::Reference, ..progress };
-    assert_eq!(words(&reference), "measuring how each environment shows in the samples");
+    assert_eq!(
+        ComparisonKind::words(&reference),
+        "measuring how each environment shows in the samples"
+    );
     let done = Progress { stage: Stage::Done, remaining_s: Some(0.0), ..trials };
-    assert_eq!(words(&done), "1000 trials");
+    assert_eq!(ComparisonKind::words(&done), "1000 trials");
 }
 
 #[test]

@@ -99,82 +99,70 @@ impl Command {
 impl Noun for EvolutionKind {
     const VERB: &'static str = "evolve";
 
+    /// How far an evolution has got, as `generation 5/30, best 1.320, mean 1.104, 12.0 s left`.
     fn words(progress: &Progress) -> String {
-        words(progress)
+        let Progress { generation, generations, .. } = progress;
+        let mut text = match progress.stage {
+            Stage::Queued => "waiting for its turn".to_owned(),
+            Stage::Reference => "driving the fixed model that sets the unit of fitness".to_owned(),
+            Stage::Generations => format!("generation {generation}/{generations}"),
+            Stage::Selection => "choosing the champion on fresh seeds".to_owned(),
+            Stage::Report => "measuring the champion on third seeds".to_owned(),
+            Stage::Done => format!("{generations} generations"),
+        };
+        if let (Some(best), Some(mean)) = (progress.best_fitness, progress.mean_fitness) {
+            let _ = write!(text, ", best {best:.3}, mean {mean:.3}");
+        }
+        if progress.stage != Stage::Done {
+            text += &time_left(progress.remaining_s);
+        }
+        text
     }
 
-    fn table(jobs: &[Evolution]) -> String {
-        table(jobs)
-    }
-
-    fn show(job: &Evolution) -> String {
-        show(job)
-    }
-}
-
-/// How far an evolution has got, as `generation 5/30, best 1.320, mean 1.104, 12.0 s left`.
-fn words(progress: &Progress) -> String {
-    let Progress { generation, generations, .. } = progress;
-    let mut text = match progress.stage {
-        Stage::Queued => "waiting for its turn".to_owned(),
-        Stage::Reference => "driving the fixed model that sets the unit of fitness".to_owned(),
-        Stage::Generations => format!("generation {generation}/{generations}"),
-        Stage::Selection => "choosing the champion on fresh seeds".to_owned(),
-        Stage::Report => "measuring the champion on third seeds".to_owned(),
-        Stage::Done => format!("{generations} generations"),
-    };
-    if let (Some(best), Some(mean)) = (progress.best_fitness, progress.mean_fitness) {
-        let _ = write!(text, ", best {best:.3}, mean {mean:.3}");
-    }
-    if progress.stage != Stage::Done {
-        text += &time_left(progress.remaining_s);
-    }
-    text
-}
-
-fn table(evolutions: &[Evolution]) -> String {
-    let mut table = Table::new([
-        Column::Text("EVOLUTION"),
-        Column::Text("STATE"),
-        Column::Number("GENERATION"),
-        Column::Number("BEST"),
-        Column::Number("MEAN"),
-        Column::Number("RAN FOR"),
-        Column::Text("OPTIMIZER"),
-        Column::Number("SEED"),
-        Column::Text("PRIOR"),
-    ]);
-    for evolution in evolutions {
-        let Evolution { progress, spec, .. } = evolution;
-        let fitness = |value| or_unknown(value, |value: f64| format!("{value:.3}"));
-        table.row([
-            evolution.id.to_string(),
-            evolution.state.name().to_owned(),
-            format!("{}/{}", progress.generation, progress.generations),
-            fitness(progress.best_fitness),
-            fitness(progress.mean_fitness),
-            span(progress.elapsed_s),
-            spec.optimizer.name().to_owned(),
-            spec.seed.to_string(),
-            or_unknown(evolution.outcome.prior.as_ref(), ToString::to_string),
+    fn table(evolutions: &[Evolution]) -> String {
+        let mut table = Table::new([
+            Column::Text("EVOLUTION"),
+            Column::Text("STATE"),
+            Column::Number("GENERATION"),
+            Column::Number("BEST"),
+            Column::Number("MEAN"),
+            Column::Number("RAN FOR"),
+            Column::Text("OPTIMIZER"),
+            Column::Number("SEED"),
+            Column::Text("PRIOR"),
         ]);
+        for evolution in evolutions {
+            let Evolution { progress, spec, .. } = evolution;
+            let fitness = |value| or_unknown(value, |value: f64| format!("{value:.3}"));
+            table.row([
+                evolution.id.to_string(),
+                evolution.state.name().to_owned(),
+                format!("{}/{}", progress.generation, progress.generations),
+                fitness(progress.best_fitness),
+                fitness(progress.mean_fitness),
+                span(progress.elapsed_s),
+                spec.optimizer.name().to_owned(),
+                spec.seed.to_string(),
+                or_unknown(evolution.outcome.prior.as_ref(), ToString::to_string),
+            ]);
+        }
+        table.to_string()
     }
-    table.to_string()
-}
 
-fn show(evolution: &Evolution) -> String {
-    let Evolution { spec, progress, .. } = evolution;
-    let lines = [
-        ("environments", spec.environments.join(", ")),
-        ("search", search(spec)),
-        ("episodes", episodes(evolution, progress.elapsed_s)),
-        ("prior", kept(evolution)),
-    ];
-    let mut text = described(evolution, &lines);
-    if let Some(champion) = &evolution.outcome.champion {
-        let _ = write!(text, "\n{}", report::text(champion));
+    fn show(evolution: &Evolution) -> String {
+        let Evolution { spec, progress, .. } = evolution;
+        let lines = [
+            ("environments", spec.environments.join(", ")),
+            ("search", search(spec)),
+            ("episodes", episodes(evolution, progress.elapsed_s)),
+            ("prior", kept(evolution)),
+        ];
+        let mut text = described(evolution, &lines);
+        if let Some(champion) = &evolution.outcome.champion {
+            let _ = write!(text, "\n{}", report::text(champion));
+        }
+        text
     }
-    text
 }
 
 fn search(spec: &Spec) -> String {

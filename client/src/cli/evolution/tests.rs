@@ -112,7 +112,7 @@ fn a_champion_that_just_touches_zero_has_shown_nothing() {
 #[test]
 fn an_evolution_is_shown_with_what_was_asked_for_and_what_it_found() {
     assert_eq!(
-        show(&evolution()),
+        EvolutionKind::show(&evolution()),
         "\
 evolution-12: queued, waiting for its turn
   environments normal
@@ -127,14 +127,14 @@ evolution-12: queued, waiting for its turn
         outcome: Outcome { prior: "mine".parse().ok(), champion: Some(champion()) },
         ..evolution()
     };
-    let text = show(&succeeded);
+    let text = EvolutionKind::show(&succeeded);
     assert!(text.contains("resumed after 2 restarts of the server"), "{text}");
     assert!(text.contains("mine; use it: umwelt robot add ID --prior mine"), "{text}");
     assert!(text.contains("VERDICT"), "{text}");
     let error = Some("no space left".to_owned());
     let failed = Evolution { state: State::Failed, error, ..evolution() };
-    assert!(show(&failed).contains("error        no space left\n"));
-    assert!(show(&failed).contains("none; it was to be mine"));
+    assert!(EvolutionKind::show(&failed).contains("error        no space left\n"));
+    assert!(EvolutionKind::show(&failed).contains("none; it was to be mine"));
 }
 
 #[test]
@@ -147,9 +147,9 @@ fn progress_says_generation_best_mean_and_time_left() {
         remaining_s: Some(12.34),
         ..evolution().progress
     };
-    assert_eq!(words(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
+    assert_eq!(EvolutionKind::words(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
     let done = Progress { stage: Stage::Done, remaining_s: Some(0.0), ..at };
-    assert_eq!(words(&done), "12 generations, best 1.320, mean 1.104");
+    assert_eq!(EvolutionKind::words(&done), "12 generations, best 1.320, mean 1.104");
 }
 
 #[test]
