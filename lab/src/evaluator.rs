@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Evaluates the episodes of one kind of job. The pool is one implementation.
 ///
-/// A worker in another process needs what a [`Batch`] has and no more: it is sent the settings with the first batch of a
-/// job and keeps them under the job's id; episodes and evaluations are serialisable; job and index name a batch, so that
-/// one that was sent twice is evaluated once. An evaluator runs at the priority with which it was made; a job that is
-/// cancelled, or whose server ends, is one whose [`Meter`] is stopped.
+/// A worker in another process needs what a [`Batch`] has and no more: it is sent the settings, as the specs in which the
+/// server keeps them, with the first batch of a job, and keeps them under the job's id; episodes and evaluations are
+/// serialisable; job and index name a batch, so that one that was sent twice is evaluated once. An evaluator runs at the
+/// priority with which it was made; a job that is cancelled, or whose server ends, is one whose [`Meter`] is stopped.
 pub trait Evaluator<W: Work>: Send + Sync {
     /// The evaluations of `batch`, in the order of its episodes. Blocks until they are there; counts them in `meter` as
     /// they come, and ends early once that is stopped.

@@ -98,15 +98,12 @@ fn without_arrivals_there_is_neither_time_nor_deviation() {
 }
 
 #[test]
-fn a_champion_that_just_touches_zero_has_shown_nothing() {
+fn the_servers_ranking_is_shown_whatever_the_numbers_are() {
     let mut champion = champion();
-    champion.entries.truncate(2);
-    for (low, high) in [(0.0, 0.1), (-0.1, 0.0)] {
-        champion.entries[1].difference = Some(Estimate { mean: (low + high) / 2.0, low, high });
-        assert!(report::text(&champion).contains("includes zero: no difference shown"));
-    }
-    champion.entries[1].difference = Some(Estimate { mean: 0.1, low: 1e-9, high: 0.2 });
-    assert!(!report::text(&champion).contains("includes zero"));
+    champion.entries[2].champion_is = Some(Ranking::NoDifference);
+    champion.entries[2].champion_worse_in = vec!["bad-link".to_owned()];
+    let text = report::text(&champion);
+    assert!(text.contains("includes zero: no difference shown; worse in bad-link"), "{text}");
 }
 
 #[test]
