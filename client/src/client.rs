@@ -126,7 +126,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
     pub async fn delete_robot(&self, robot: &RobotId) -> Result<(), Error> {
-        self.remove(endpoint::DELETE_ROBOT, &[robot.as_str()]).await
+        self.perform(endpoint::DELETE_ROBOT, &[robot.as_str()]).await
     }
 
     /// One page of the robots, in the order of their ids. [`Client::robots`] walks over all pages.
@@ -176,7 +176,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where there is no such robot or it has no task, and whatever [`Error`] tells.
     pub async fn cancel_task(&self, robot: &RobotId) -> Result<(), Error> {
-        self.remove(endpoint::DELETE_TASK, &[robot.as_str()]).await
+        self.perform(endpoint::DELETE_TASK, &[robot.as_str()]).await
     }
 
     /// What is identified of the floor and the link of a robot.
@@ -280,8 +280,8 @@ impl Client {
         self.typed(self.calling(endpoint, names).with_json(body)?).await
     }
 
-    /// Removes what an endpoint removes.
-    pub(crate) async fn remove(&self, endpoint: Endpoint, names: &[&str]) -> Result<(), Error> {
+    /// Has an endpoint do what answers nothing.
+    pub(crate) async fn perform(&self, endpoint: Endpoint, names: &[&str]) -> Result<(), Error> {
         self.bytes(self.calling(endpoint, names)).await.map(drop)
     }
 
@@ -339,13 +339,17 @@ impl Client {
 
 fn add_query(url: &mut Url, query: &PageQuery) {
     let PageQuery { page_size, page_token, state } = query;
-    let state = state.map(|state| match state {
+    pages::add_query(url, *page_size, page_token.as_deref(), state.map(state_name));
+}
+
+/// The name of a state on the wire.
+pub(crate) fn state_name(state: robot::State) -> &'static str {
+    match state {
         robot::State::Never => "never",
         robot::State::Connected => "connected",
         robot::State::Lost => "lost",
         robot::State::Failed => "failed",
-    });
-    pages::add_query(url, *page_size, page_token.as_deref(), state);
+    }
 }
 
 #[cfg(test)]

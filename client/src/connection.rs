@@ -5,7 +5,7 @@ use reqwest::redirect;
 use std::time::Duration;
 use umwelt_api::Token;
 
-/// Below the deadline, so that a host that does not answer is told apart from a slow answer.
+/// Below the deadline, so that a host that does not answer differs from a slow answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(4);
 
 /// What all connections have in common: no delay for small packets, no proxy between a robot and its server, no

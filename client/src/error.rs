@@ -50,7 +50,7 @@ pub enum Error {
 /// How far a call got that did not get through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// Nobody listens there, or nothing gets there. It was not done.
+    /// No server listens there, or nothing gets there. It was not done.
     Unreachable,
     /// No answer before the deadline. It may have been done.
     TimedOut,

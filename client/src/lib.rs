@@ -1,6 +1,6 @@
 //! The typed client of Umwelt, and the command line `umwelt` on top of it.
 //!
-//! * [`Client`]: one async method per route of the contract, in the types of [`umwelt_api`].
+//! * [`Client`]: one async method per route of the contract, those of jobs for every kind, in the types of [`umwelt_api`].
 //! * [`Client::events`]: what happens, as a stream that reconnects by itself.
 //! * [`StepConnection`]: the hot path, for the agent on the robot.
 //! * [`cli`]: the command line, of which the program is a thin `main`.
@@ -16,7 +16,7 @@ mod connection;
 mod error;
 mod events;
 mod evolve;
-mod jobs;
+mod job;
 mod pages;
 mod retry;
 mod sse;
@@ -24,12 +24,13 @@ mod step;
 #[cfg(test)]
 mod test_server;
 mod token;
-mod unreadable;
+mod whole;
 
 pub use client::{Client, DEADLINE};
 pub use error::{Error, Failure};
-pub use events::{ComparisonEvents, Events, EvolutionEvents, SILENCE};
-pub use jobs::fresh_key;
+pub use events::{Events, JobEvents, SILENCE};
+pub use job::fresh_key;
 pub use step::{MAX_REPLY, STEP_DEADLINE, StepConnection};
 pub use token::read_token;
 pub use umwelt_api as api;
+pub use whole::List;

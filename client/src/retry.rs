@@ -7,7 +7,7 @@ use std::time::Duration;
 use tower::retry::Policy;
 use tower::util::rng::{HasherRng, Rng};
 
-/// How often a call is sent again: with the waits below about 3 s in all, then somebody should look.
+/// How often a call is sent again: with the waits below about 3 s in all, then a person should look.
 pub(crate) const MAX_RETRIES: u32 = 4;
 
 /// Mean wait before the first retry: about the round trip of a bad link.
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn nobody_waits_beyond_the_deadline() {
+    async fn no_call_waits_beyond_the_deadline() {
         let before = Instant::now();
         let (answer, asked) = asked(problem(Status::Unavailable, Some(90)), 1, MINUTE).await;
         assert_eq!(answer.unwrap_err().status(), Some(Status::Unavailable));

@@ -63,7 +63,7 @@ mod tests {
         assert!(matches!(&missing, Error::BadCall { what, .. } if what.contains("none")));
     }
 
-    /// The bug to fear: one kind of request, a stop of all things, goes out without it.
+    /// Guards against one kind of request, a stop of all things, that goes out without it.
     #[tokio::test]
     async fn every_request_carries_the_token_and_no_redirect_takes_it_elsewhere() {
         let elsewhere = Server::start(|_| async { json(StatusCode::OK, "{}") }).await;

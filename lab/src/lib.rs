@@ -4,7 +4,7 @@
 //! * [`comparison`] drives methods over environments and trials on the same seeds.
 //! * [`peers`] are the methods of others, each a compensation of the same controller.
 //! * [`wire`] is between these and the contract, [`umwelt_api`].
-//! * [`work`] is what evolutions and comparisons have in common; [`pool`] drives it on threads.
+//! * [`work`] is what all kinds of jobs have in common; an [`evaluator`] drives its episodes, the [`pool`] on threads.
 //! * [`figures`], [`report`] and [`csv`] show what came of it; [`offline`] is both from beginning to end without a server.
 //!
 //! Architecture invariants: evolutions, comparisons, methods, figures and reports do no I/O, read no clock, start no
@@ -13,14 +13,15 @@
 
 pub mod comparison;
 pub mod csv;
+pub mod evaluator;
 pub mod evolution;
+#[cfg(any(test, feature = "fake-work"))]
+pub mod fake_work;
 pub mod figures;
 pub mod offline;
 pub mod peers;
 pub mod pool;
 pub mod report;
 mod seeds;
-#[cfg(test)]
-mod toy;
 pub mod wire;
 pub mod work;

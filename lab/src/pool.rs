@@ -1,17 +1,16 @@
-//! Drives the episodes of evolutions and comparisons on threads of their own.
+//! Drives the episodes of jobs on threads of their own.
 //!
-//! Invariants: evaluations are told in the order of the batch, so the number of threads never shows in a result; a
-//! batch that is stopped or fails leaves its job as it was before it; whoever stops one waits for no more than the
-//! episodes that are being driven; jobs that run at the same time share the threads evenly, and none waits for another
-//! one's batch.
+//! Invariants: evaluations come in the order of the batch, so the number of threads never shows in a result; a batch that
+//! is stopped or fails leaves its job as it was before it; stopping one waits for no more than the episodes that are being
+//! driven; jobs that run at the same time share the threads evenly, and none waits for another one's batch.
 
-use crate::work::{Told, Work};
+use crate::evaluator::{Batch, Evaluator, Halt, Meter};
+use crate::work::{BatchOutcome, Work};
 use rayon::prelude::*;
 use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thread_priority::{
     NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy,
     set_thread_priority_and_policy, thread_native_id,
@@ -35,43 +34,6 @@ const TURN: usize = 64;
 /// Threads that drive episodes.
 #[derive(Debug)]
 pub struct Pool(rayon::ThreadPool);
-
-/// How far a batch has got, and whether it is to go on: shared between who evaluates and who watches.
-#[derive(Debug, Default)]
-pub struct Meter {
-    episodes: AtomicU64,
-    stopped: AtomicBool,
-}
-
-impl Meter {
-    /// Episodes that the job has driven, those of the batch that is going on included.
-    pub fn episodes(&self) -> u64 {
-        self.episodes.load(Ordering::Relaxed)
-    }
-
-    /// Ends the batch as soon as the episodes that are being driven have ended.
-    pub fn stop(&self) {
-        self.stopped.store(true, Ordering::Relaxed);
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
-    }
-}
-
-/// Why a batch did not come to its end.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Halt {
-    /// Somebody stopped it; the job is as it was before the batch.
-    #[error("it was stopped")]
-    Stopped,
-    /// An evaluation panicked.
-    #[error("an evaluation failed: {0}")]
-    Panicked(String),
-    /// The evaluations were not those that the job had asked for.
-    #[error("{0}")]
-    Told(String),
-}
 
 impl Pool {
     /// So many threads, all cores where none are said.
@@ -102,27 +64,43 @@ impl Pool {
         self.0.current_num_threads()
     }
 
-    /// Drives what `work` asks for now and tells it. Blocks until that is done.
+    /// One batch of the job of this id: what `work` asks for now is evaluated by `evaluator`, be it this pool, and given
+    /// back to it. Blocks until that is done.
     ///
     /// # Errors
     /// Where it was stopped or failed; after a panic the work is not to be used any more.
-    pub fn step<W: Work>(&self, work: &mut W, meter: &Meter) -> Result<Told<W>, Halt> {
-        meter.episodes.store(work.episodes(), Ordering::Relaxed);
+    pub fn step<W: Work>(
+        &self,
+        job: &str,
+        work: &mut W,
+        evaluator: &dyn Evaluator<W>,
+        meter: &Meter,
+    ) -> Result<BatchOutcome<W>, Halt> {
+        let index = work.episodes();
+        meter.begin(index);
         guarded(|| {
             // All of it in the pool: making a batch and breeding take time too.
-            let batch = self.install(|| work.batch());
-            let mut evaluations = Vec::with_capacity(batch.len());
-            for turn in batch.chunks(TURN * self.threads()) {
-                evaluations.extend(self.install(|| drive(work, turn, meter))?);
-            }
-            self.install(|| work.tell(&evaluations)).map_err(Halt::Told)
+            let episodes = self.install(|| work.batch());
+            let batch = Batch { job, settings: work.settings(), index, episodes: &episodes };
+            let evaluations = evaluator.evaluate(&batch, meter)?;
+            self.install(|| work.tell(&evaluations)).map_err(Halt::Refused)
         })?
+    }
+}
+
+impl<W: Work> Evaluator<W> for Pool {
+    fn evaluate(&self, batch: &Batch<'_, W>, meter: &Meter) -> Result<Vec<W::Evaluation>, Halt> {
+        let mut evaluations = Vec::with_capacity(batch.episodes.len());
+        for turn in batch.episodes.chunks(TURN * self.threads()) {
+            evaluations.extend(self.install(|| drive::<W>(batch.settings, turn, meter))?);
+        }
+        Ok(evaluations)
     }
 }
 
 /// Drives some episodes.
 fn drive<W: Work>(
-    work: &W,
+    settings: &W::Settings,
     episodes: &[W::Episode],
     meter: &Meter,
 ) -> Result<Vec<W::Evaluation>, Halt> {
@@ -131,8 +109,8 @@ fn drive<W: Work>(
             return Err(Halt::Stopped);
         }
         // Caught here, a panic ends the batch at once; left to the pool it would drive the rest first.
-        let evaluation = guarded(|| work.evaluate(episode))?;
-        meter.episodes.fetch_add(1, Ordering::Relaxed);
+        let evaluation = guarded(|| W::evaluate(settings, episode))?;
+        meter.add(1);
         Ok(evaluation)
     };
     // An episode takes milliseconds: each is worth its own place in the queue.
@@ -170,32 +148,41 @@ fn lower() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toy::{Toy, Wishes};
+    use crate::fake_work::{FakeSettings, FakeWork};
     use std::sync::Arc;
     use std::sync::mpsc;
     use std::thread;
 
-    fn toy(wishes: Wishes) -> Toy {
-        Toy::new(wishes).unwrap()
+    fn fake(settings: FakeSettings) -> FakeWork {
+        FakeWork::new(settings).unwrap()
+    }
+
+    /// One batch, planned and evaluated by `pool`.
+    fn step(
+        pool: &Pool,
+        work: &mut FakeWork,
+        meter: &Meter,
+    ) -> Result<BatchOutcome<FakeWork>, Halt> {
+        pool.step("job-1", work, pool, meter)
     }
 
     fn pool(threads: usize) -> Pool {
         Pool::new(Some(threads), Priority::Normal).unwrap()
     }
 
-    /// The bug to fear: evaluations told in the order in which they were done.
+    /// Guards against evaluations in the order in which they were done.
     #[test]
     fn the_number_of_threads_never_shows() {
         // More than one turn of any of them.
-        let wishes = Wishes { batches: 3, episodes: 1000, ..Wishes::default() };
+        let settings = FakeSettings { batches: 3, episodes: 1000, ..FakeSettings::default() };
         let run = |threads| {
             let (pool, meter) = (pool(threads), Meter::default());
-            let (mut toy, mut parts) = (toy(wishes), Vec::new());
-            while toy.report().is_none() {
-                parts.extend(pool.step(&mut toy, &meter).unwrap().parts);
-                assert_eq!(meter.episodes(), toy.episodes());
+            let (mut fake, mut parts) = (fake(settings), Vec::new());
+            while fake.report().is_none() {
+                parts.extend(step(&pool, &mut fake, &meter).unwrap().parts);
+                assert_eq!(meter.episodes(), fake.episodes());
             }
-            (toy, parts)
+            (fake, parts)
         };
         let alone = run(1);
         assert_eq!(alone.1.len(), 3);
@@ -204,52 +191,91 @@ mod tests {
 
     #[test]
     fn a_batch_that_is_stopped_leaves_its_job_as_it_was() {
-        let (mut toy, meter) = (toy(Wishes::default()), Meter::default());
-        let before = toy.clone();
+        let (mut fake, meter) = (fake(FakeSettings::default()), Meter::default());
+        let before = fake.clone();
         meter.stop();
-        assert_eq!(pool(2).step(&mut toy, &meter), Err(Halt::Stopped));
-        assert_eq!(toy, before);
+        assert_eq!(step(&pool(2), &mut fake, &meter), Err(Halt::Stopped));
+        assert_eq!(fake, before);
         assert_eq!(meter.episodes(), 0);
     }
 
-    /// The bug to fear: a panic that takes the process with it, or a batch that goes on for hours behind it.
+    /// Guards against a panic that takes the process with it, or a batch that goes on for hours behind it.
     #[test]
     fn a_panic_ends_its_batch_and_nothing_else() {
-        let wishes = Wishes { episodes: 1000, micros: 100, ..Wishes::default() };
+        let settings = FakeSettings { episodes: 1000, micros: 100, ..FakeSettings::default() };
         let (pool, meter) = (pool(2), Meter::default());
-        let halt = pool.step(&mut toy(Wishes { panics: true, ..wishes }), &meter).unwrap_err();
+        let halt =
+            step(&pool, &mut fake(FakeSettings { panics: true, ..settings }), &meter).unwrap_err();
         assert_eq!(halt.to_string(), "an evaluation failed: no floor under the robot");
         // Saying what happened takes longer than many episodes, but no other turn begins.
         assert!(meter.episodes() < 2 * TURN as u64, "{} were driven", meter.episodes());
-        assert!(pool.step(&mut toy(wishes), &meter).is_ok());
+        assert!(step(&pool, &mut fake(settings), &meter).is_ok());
     }
 
-    /// The bug to fear: a job of seconds that waits for the batch of another one, which takes hours, be it in a queue
+    /// An evaluator elsewhere: settings, episodes and evaluations pass as JSON, a batch in two halves.
+    struct Elsewhere;
+
+    impl Evaluator<FakeWork> for Elsewhere {
+        fn evaluate(&self, batch: &Batch<'_, FakeWork>, _: &Meter) -> Result<Vec<usize>, Halt> {
+            fn sent<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
+                serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
+            }
+            assert_eq!((batch.job, batch.index % 1000), ("job-1", 0));
+            let settings = sent(batch.settings);
+            let halves = batch.episodes.split_at(batch.episodes.len() / 2);
+            let evaluate = |episode: &usize| sent(&FakeWork::evaluate(&settings, &sent(episode)));
+            let [mut first, second] =
+                [halves.0, halves.1].map(|half| half.iter().map(evaluate).collect::<Vec<_>>());
+            first.extend(second);
+            Ok(first)
+        }
+    }
+
+    #[test]
+    fn it_does_not_show_who_evaluates() {
+        let settings = FakeSettings { batches: 3, episodes: 1000, ..FakeSettings::default() };
+        let (pool, meter) = (pool(2), Meter::default());
+        let run = |evaluator: &dyn Evaluator<FakeWork>| {
+            let mut fake = fake(settings);
+            while fake.report().is_none() {
+                pool.step("job-1", &mut fake, evaluator, &meter).unwrap();
+            }
+            fake
+        };
+        assert_eq!(run(&Elsewhere), run(&pool));
+    }
+
+    /// Guards against a job of seconds that waits for the batch of another one, which takes hours, be it in a queue
     /// or because a thread that waits for the one has begun the other.
     #[test]
     fn jobs_share_the_threads_and_none_waits_for_the_batch_of_another() {
         let pool = Arc::new(pool(2));
         // Ten seconds of both threads.
         const MANY: u64 = 200_000;
-        let many = Wishes { episodes: MANY as usize, micros: 100, ..Wishes::default() };
+        let many = FakeSettings { episodes: MANY as usize, micros: 100, ..FakeSettings::default() };
         let meter = Arc::new(Meter::default());
         let long = thread::spawn({
             let (pool, meter) = (Arc::clone(&pool), Arc::clone(&meter));
-            move || pool.step(&mut toy(many), &meter)
+            move || step(&pool, &mut fake(many), &meter)
         });
         while meter.episodes() == 0 {
             thread::yield_now();
         }
-        let mut short = toy(Wishes { batches: 20, episodes: 400, micros: 10, ..Wishes::default() });
+        let mut short = fake(FakeSettings {
+            batches: 20,
+            episodes: 400,
+            micros: 10,
+            ..FakeSettings::default()
+        });
         while short.report().is_none() {
-            pool.step(&mut short, &Meter::default()).unwrap();
+            step(&pool, &mut short, &Meter::default()).unwrap();
         }
         assert!(meter.episodes() < MANY / 2, "{} were driven meanwhile", meter.episodes());
         meter.stop();
         assert_eq!(long.join().unwrap(), Err(Halt::Stopped));
     }
 
-    /// The bug to fear: jobs that take a core from the robots.
+    /// Guards against jobs that take a core from the robots.
     #[test]
     #[cfg(target_os = "linux")]
     fn threads_of_lowest_priority_run_only_where_nothing_else_wants_to() {

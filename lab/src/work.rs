@@ -1,4 +1,4 @@
-//! What evolutions and comparisons have in common: batches of simulated episodes, told one after the other.
+//! What all kinds of jobs have in common: batches of simulated episodes, evaluated one after the other.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -15,13 +15,13 @@ impl<T: Clone + Debug + PartialEq + Serialize + DeserializeOwned + Send + Sync +
 {
 }
 
-/// A state machine that asks for batches of simulated episodes until there is a report, or a reason
-/// why there will be none. Between two batches its whole
-/// state can be written down and taken up again: what comes of it is the same, bit for bit, whoever drives the episodes.
+/// A state machine that asks for batches of simulated episodes until there is a report, or a reason why there will be
+/// none. Between two batches its whole state can be written down and taken up again: the report is the same, bit for
+/// bit, whoever evaluates the episodes.
 pub trait Work: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Version of its state: a state of another one is not taken up.
     const STATE_VERSION: u32;
-    /// What it is told.
+    /// What is asked for.
     type Settings: Clone + Debug + PartialEq + Send + Sync + 'static;
     /// How far it has got, as it is kept; its version stands in its field `version`.
     type State: Plain;
@@ -31,12 +31,12 @@ pub trait Work: Clone + Debug + PartialEq + Send + Sync + 'static {
     type Latest: Plain + Copy;
     /// What is kept for good of a batch, beside the report.
     type Part: Plain;
-    /// What comes of it.
+    /// Its final result.
     type Report: Plain;
-    /// One episode to drive.
-    type Episode: Send + Sync;
-    /// What came of one episode.
-    type Evaluation: Send + Sync;
+    /// One episode to drive: with the settings all that it takes, so that another process can drive it.
+    type Episode: Plain;
+    /// What is measured in one episode.
+    type Evaluation: Plain;
 
     /// One that has not begun.
     ///
@@ -50,6 +50,9 @@ pub trait Work: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// What is wrong with the settings.
     fn resume(settings: Self::Settings, state: Self::State) -> Result<Self, String>;
 
+    /// What was asked for.
+    fn settings(&self) -> &Self::Settings;
+
     /// How far it has got, as it is kept.
     fn state(&self) -> &Self::State;
 
@@ -62,30 +65,31 @@ pub trait Work: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Episodes that the whole of it takes.
     fn total_episodes(&self) -> u64;
 
-    /// What came of it, once it is done.
+    /// Its final result, once it is done.
     fn report(&self) -> Option<&Self::Report>;
 
     /// Why it ends without a report, where it does: for people, with a remedy.
-    fn hopeless(&self) -> Option<String> {
+    fn failure(&self) -> Option<String> {
         None
     }
 
     /// What is to be driven now.
     fn batch(&self) -> Vec<Self::Episode>;
 
-    /// Drives one episode of the batch, on any thread.
-    fn evaluate(&self, episode: &Self::Episode) -> Self::Evaluation;
+    /// Drives one episode of work of these settings. The same episode gives the same evaluation, bit for bit, on any
+    /// thread and in any process.
+    fn evaluate(settings: &Self::Settings, episode: &Self::Episode) -> Self::Evaluation;
 
     /// Takes in the evaluations of the batch, in its order, and goes on.
     ///
     /// # Errors
     /// Where they are not those of the batch; nothing has happened then.
-    fn tell(&mut self, evaluations: &[Self::Evaluation]) -> Result<Told<Self>, String>;
+    fn tell(&mut self, evaluations: &[Self::Evaluation]) -> Result<BatchOutcome<Self>, String>;
 }
 
-/// What came of a batch.
+/// What a batch leaves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told<W: Work> {
+pub struct BatchOutcome<W: Work> {
     /// What is kept of it, with its index.
     pub parts: Vec<(usize, W::Part)>,
     /// What is shown from now on; none where that stays.

@@ -32,7 +32,7 @@ pub mod evolution;
 pub mod health;
 mod id;
 mod idempotency;
-mod job;
+pub mod job;
 mod named;
 mod number;
 pub mod page;

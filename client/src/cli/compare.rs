@@ -2,16 +2,12 @@
 
 use super::failure::Failure;
 use super::input;
-use super::job::watch::{Told, watch};
-use super::job::{accepted, refused};
+use super::job::submit::Submit;
 use super::output::Output;
-use super::progress::{say, wait};
 use crate::client::Client;
-use crate::jobs::fresh_key;
 use clap::Args;
-use umwelt_api::Validate;
-use umwelt_api::comparison::{Request, Scenario};
-use umwelt_api::{IdempotencyKey, PriorId};
+use umwelt_api::comparison::{ComparisonKind, Request, Scenario};
+use umwelt_api::{PriorId, Validate};
 
 const SCENARIOS: &[&str] =
     &["thesis", "thesis-real", "floor-change", "link-change", "bursty", "outage", "systematic"];
@@ -35,18 +31,17 @@ pub(super) struct Compare {
     /// The prior of the method bayesian, as `umwelt prior list` names them; thesis if nothing is said
     #[arg(long, value_name = "NAME")]
     prior: Option<PriorId>,
-    /// Submit it once, however often this is run with the same key; a random one otherwise
-    #[arg(long, value_name = "KEY")]
-    idempotency_key: Option<IdempotencyKey>,
-    /// Submit it and do not wait for what comes of it
-    #[arg(long)]
+    #[command(flatten)]
+    submit: Submit,
+    /// Do not wait for the end: what happens without --watch. Earlier versions waited without this
+    #[arg(long, hide = true, conflicts_with = "watch")]
     detach: bool,
 }
 
 const ABOUT: &str = "\
-Every method drives the same trials: the same packets are late for each, the same places of the floor slip. What comes
-of it says how much less (or more) `bayesian` deviates than `statistic` and how much sooner (or later) it arrives,
-beside what the thesis claims; where an interval includes zero, no difference is shown.
+Every method drives the same trials: the same packets are late for each, the same places of the floor slip. The report
+says how much less (or more) `bayesian` deviates than `statistic` and how much sooner (or later) it arrives, beside what
+the thesis claims; where an interval includes zero, no difference is shown.
 
 Scenarios:
   thesis        0.9 m there and back on a hard floor, over a normal and a bad link, a robot without lag
@@ -55,29 +50,22 @@ Scenarios:
   link-change   the same way; the link is bad from 0.8 to 1.6 m
   bursty        the same way over bursty Wi-Fi with silences, on a hard and on a slippery floor
   outage        the same way; nothing gets through for 4 s
-  systematic    the thesis's way with a robot that is not as its controller was told
+  systematic    the thesis's way with a robot that is not as its controller assumes
 
-A comparison runs on the server, at low priority, one at a time, and outlives its restarts. The exit status is 0 once it
-has succeeded; Ctrl-C ends the watching, not the comparison. A method that nobody knows is told with those that there
-are. With --json it is one document, at the end; `umwelt --json comparison watch` has a line for each event.
+A comparison runs on the server, at low priority, one at a time, and outlives its restarts. With --watch the exit status
+is 0 once it has succeeded; Ctrl-C ends the watching, not the comparison. With --json --watch each event is a line, the
+comparison with its report the last one. An unknown method is refused with the names that there are.
 
 Examples:
-  umwelt compare --trials 100
+  umwelt compare --trials 100 --watch
   umwelt compare --methods statistic,bayesian --scenario floor-change --seed 7
-  umwelt compare --prior wet-hall --detach
-  umwelt --json compare --trials 100 | jq -r '.report.claims[] | [.environment, .slots, .verdict] | @tsv'";
+  umwelt --json compare --trials 100 --watch |
+    jq -r 'select(.report) | .report.claims[] | [.environment, .slots, .verdict] | @tsv'";
 
 impl Compare {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         let request = self.request()?;
-        let key = self.idempotency_key.unwrap_or_else(fresh_key);
-        let submitted = wait(client.submit_comparison(&request, Some(&key))).await;
-        let comparison = submitted.map_err(|error| refused(error, &key))?;
-        if self.detach {
-            return output.result(&comparison, accepted);
-        }
-        say(&accepted(&comparison));
-        watch(client, output, &comparison, Told::TheEnd).await
+        self.submit.run::<ComparisonKind>(client, output, &request).await
     }
 
     fn request(&self) -> Result<Request, Failure> {
@@ -126,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn every_flag_out_of_range_is_told_at_once() {
+    fn every_flag_out_of_range_is_named_at_once() {
         let wrong = compare("--trials 1 --methods oracle,oracle").request();
         let Err(Failure::Wrong(text)) = wrong else { panic!("it is a wrong call") };
         assert!(text.starts_with("the comparison is wrong in 2 places"), "{text}");
@@ -148,7 +136,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn who_detaches_does_not_wait() {
+    async fn nothing_waits_for_the_end_without_being_asked_to() {
         let server = Server::start(|request| async move {
             // Anything else would be a question about how far it has got.
             assert_eq!(request.method(), hyper::Method::POST);
@@ -157,12 +145,14 @@ mod tests {
         .await;
         let client = Client::new(&server.url).unwrap();
         let (mut output, written) = Output::kept(false);
+        compare("").run(&client, &mut output).await.unwrap();
+        // As in earlier versions.
         compare("--detach").run(&client, &mut output).await.unwrap();
         let text = String::from_utf8(written.lock().unwrap().clone()).unwrap();
-        assert_eq!(
-            text,
-            "comparison-12 waits for its turn; watch it: umwelt comparison watch comparison-12\n"
-        );
-        assert_eq!(server.requests(), 1);
+        let line =
+            "comparison-12 waits for its turn; watch it: umwelt comparison watch comparison-12\n";
+        assert_eq!(text, line.repeat(2));
+        assert_eq!(server.requests(), 2);
+        assert!(Line::try_parse_from(["compare", "--detach", "--watch"]).is_err());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::Output;
-use super::progress::{PATIENCE, StatusLine, wait};
+use super::progress::{QUIET_WAIT, StatusLine, wait};
 use super::quantity::{UNKNOWN, milliseconds, or_unknown, percent, span};
 use super::table::{Column, Table};
 use super::training;
@@ -54,7 +54,7 @@ Examples:
 
 const ABOUT: &str = "\
 A channel is the ratio of an error to the commanded motion: forward and lateral error per metre, heading error per
-radian turned (turn) and per metre driven (drift). -0.05 forward means that the robot gets 5 % less far than told.
+radian turned (turn) and per metre driven (drift). -0.05 forward means that the robot gets 5 % less far than commanded.
   MEAN, SD      of the ratio over 100 ms
   MEAN WITHIN   where the mean is with the given probability: narrow once there is enough to go by
   NEXT WITHIN   where the next ratio over 100 ms will be with the given probability
@@ -109,7 +109,7 @@ async fn watch(
                 last = Some(now);
                 changed = Instant::now();
             }
-            Ok(_) if changed.elapsed() >= PATIENCE => {
+            Ok(_) if changed.elapsed() >= QUIET_WAIT => {
                 let unchanged = span(changed.elapsed().as_secs_f64());
                 line.show(
                     "unchanged",

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::Output;
-use super::progress::{PATIENCE, StatusLine, say, wait};
+use super::progress::{QUIET_WAIT, StatusLine, say, wait};
 use super::quantity;
 use crate::client::Client;
 use crate::error::Error;
@@ -72,12 +72,12 @@ impl Follow {
         let mut events = wait(client.events(self.robot.as_ref(), self.after)).await?;
         let mut line = StatusLine::new();
         let mut last = Instant::now();
-        let mut ticks = interval_at(last + PATIENCE, Duration::from_secs(1));
+        let mut ticks = interval_at(last + QUIET_WAIT, Duration::from_secs(1));
         loop {
             let event = tokio::select! {
                 event = events.next() => event,
                 _ = ticks.tick() => {
-                    if last.elapsed() >= PATIENCE {
+                    if last.elapsed() >= QUIET_WAIT {
                         let quiet = quantity::span(last.elapsed().as_secs_f64());
                         line.show("quiet", &format!("nothing for {quiet}; Ctrl-C ends"));
                     }

@@ -2,16 +2,12 @@
 
 use super::failure::Failure;
 use super::input;
-use super::job::watch::{Told, watch};
-use super::job::{accepted, refused};
+use super::job::submit::Submit;
 use super::output::Output;
-use super::progress::{say, wait};
 use crate::client::Client;
-use crate::jobs::fresh_key;
 use clap::Args;
-use umwelt_api::Validate;
-use umwelt_api::evolution::{Optimizer, Preset, Request};
-use umwelt_api::{EnvironmentId, IdempotencyKey, PriorId};
+use umwelt_api::evolution::{EvolutionKind, Optimizer, Preset, Request};
+use umwelt_api::{EnvironmentId, PriorId, Validate};
 
 const PRESETS: &[&str] = &["default", "thesis", "quick"];
 const OPTIMIZERS: &[&str] = &["genetic", "cma-es", "empirical-bayes"];
@@ -50,12 +46,8 @@ pub(super) struct Evolve {
     /// Keep the champion as a prior of this name
     #[arg(long, value_name = "NAME")]
     prior: Option<PriorId>,
-    /// Submit it once, however often this is run with the same key; a random one otherwise
-    #[arg(long, value_name = "KEY")]
-    idempotency_key: Option<IdempotencyKey>,
-    /// Show progress until it has ended, then what it found
-    #[arg(long)]
-    watch: bool,
+    #[command(flatten)]
+    submit: Submit,
 }
 
 const ABOUT: &str = "\
@@ -71,14 +63,7 @@ Examples:
 impl Evolve {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         let request = self.request()?;
-        let key = self.idempotency_key.unwrap_or_else(fresh_key);
-        let submitted = wait(client.submit_evolution(&request, Some(&key))).await;
-        let evolution = submitted.map_err(|error| refused(error, &key))?;
-        if !self.watch {
-            return output.result(&evolution, accepted);
-        }
-        say(&accepted(&evolution));
-        watch(client, output, &evolution, Told::Everything).await
+        self.submit.run::<EvolutionKind>(client, output, &request).await
     }
 
     fn request(&self) -> Result<Request, Failure> {
@@ -139,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn every_flag_out_of_range_is_told_at_once() {
+    fn every_flag_out_of_range_is_named_at_once() {
         let wrong = request("--population 1 --trials 0 --slots 68 --environments normal,normal");
         let Err(Failure::Wrong(text)) = wrong else { panic!("it is a wrong call") };
         assert!(text.starts_with("the evolution is wrong in 4 places"), "{text}");

@@ -13,7 +13,7 @@ pub(super) enum Failure {
     Wrong(String),
     /// The call was right and it did not work.
     Failed(String),
-    /// Nobody reads standard output any more, as after `| head`: no reason to say anything.
+    /// Standard output is not read any more, as after `| head`: no reason to say anything.
     Unread,
 }
 

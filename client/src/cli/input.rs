@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 /// A body in JSON without the fields that are the server's to say: what `show` prints can be put again.
 pub(super) fn without(json: Vec<u8>, given_by_server: &[&str]) -> Vec<u8> {
     let Ok(Value::Object(mut fields)) = serde_json::from_slice(&json) else {
-        // Whoever reads it says what is wrong with it.
+        // Reading it says what is wrong with it.
         return json;
     };
     fields.retain(|name, _| !given_by_server.contains(&name.as_str()));

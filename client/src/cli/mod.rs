@@ -37,7 +37,7 @@ Examples:
   umwelt environment show rover-7
   umwelt evolve --environments normal,slippery --prior wet-hall --watch
   umwelt robot add rover-7 --prior wet-hall
-  umwelt compare --methods statistic,bayesian --prior wet-hall
+  umwelt compare --methods statistic,bayesian --prior wet-hall --watch
   umwelt stop --all
   umwelt --json robot list --state lost | jq -r '.robots[].robot'
 

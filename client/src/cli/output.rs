@@ -159,7 +159,7 @@ mod tests {
         String::from_utf8(bytes).unwrap()
     }
 
-    /// The bug to fear: a note of somebody else's prior writes on the terminal, or a line that looks like ours.
+    /// Guards against a note of a foreign prior that writes on the terminal, or a line that looks like ours.
     #[test]
     fn nothing_that_a_server_says_moves_a_cursor_or_ends_a_line() {
         let result = json!({"note": EVIL, "list": [{"name": EVIL}, "plain"]});

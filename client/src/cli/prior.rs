@@ -7,10 +7,9 @@ use super::output::Output;
 use super::progress::wait;
 use super::quantity::{UNKNOWN, or_unknown};
 use super::table::{Column, Table};
-use super::unreadable::{unreadable, with};
+use super::unreadable::with;
 use crate::client::Client;
 use clap::Subcommand;
-use futures_util::TryStreamExt;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -20,7 +19,7 @@ use umwelt_api::prior::{Page, Prior, Source, Spec};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// List priors: those that come with the server, those that somebody put, those that evolutions found
+    /// List priors: those that come with the server, those that were put, those that evolutions found
     List,
     /// Show a prior, where it comes from and which robots use it
     #[command(after_help = "\
@@ -61,11 +60,7 @@ Examples:
 impl Command {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         match self {
-            Self::List => {
-                let priors = wait(client.priors().try_collect()).await?;
-                let unreadable = unreadable(client, "priors", true).await?;
-                output.result(&Page { priors, unreadable, next_page_token: None }, list)
-            }
+            Self::List => output.result(&wait(client.whole::<Page>(None)).await?, list),
             Self::Show { prior } => output.result(&wait(client.get_prior(&prior)).await?, show),
             Self::Put { prior, file } => {
                 let spec = spec(&file)?;

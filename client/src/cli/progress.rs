@@ -1,18 +1,18 @@
-//! Standard error: what goes on while somebody waits.
+//! Standard error: what goes on while one waits.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 use tokio::time::{Instant, interval_at};
 use umwelt_api::visible;
 
-/// Whoever waits longer than this is told what for.
-pub(super) const PATIENCE: Duration = Duration::from_secs(2);
+/// A longer wait says what for.
+pub(super) const QUIET_WAIT: Duration = Duration::from_secs(2);
 
-/// How often a log, as opposed to a terminal, is told that things are as they were.
+/// How often a log, as opposed to a terminal, says that things are as they were.
 const REPEAT: Duration = Duration::from_secs(10);
 
 /// Writes a line to standard error, with whatever would move a cursor escaped: parts of it come from servers. Where
-/// standard error is closed there is nobody to tell.
+/// standard error is closed the line is lost.
 pub(super) fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{}", visible::lines(line));
 }
@@ -66,7 +66,7 @@ impl Drop for StatusLine {
 pub(super) async fn wait<T>(answer: impl Future<Output = T>) -> T {
     let mut line = StatusLine::new();
     let begun = Instant::now();
-    let mut ticks = interval_at(begun + PATIENCE, Duration::from_secs(1));
+    let mut ticks = interval_at(begun + QUIET_WAIT, Duration::from_secs(1));
     tokio::pin!(answer);
     loop {
         tokio::select! {

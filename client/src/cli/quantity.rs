@@ -11,7 +11,7 @@ pub(super) fn or_unknown<T>(value: Option<T>, text: impl FnOnce(T) -> String) ->
     value.map_or_else(|| UNKNOWN.to_owned(), text)
 }
 
-/// A result of those who arrived; that of nobody is none.
+/// A result of the robots that arrived; without any there is none.
 pub(super) fn of_arrivals(arrived: f64, text: String) -> String {
     if arrived > 0.0 { text } else { UNKNOWN.to_owned() }
 }
@@ -37,7 +37,7 @@ pub(super) fn percent(ratio: f64) -> String {
     if ratio < 0.01 { format!("{:.3} %", 1e2 * ratio) } else { format!("{:.1} %", 1e2 * ratio) }
 }
 
-/// A time span, as exact as somebody wants to know.
+/// A time span, as exact as people want to know.
 pub(super) fn span(seconds: f64) -> String {
     match seconds {
         s if s < 60.0 => format!("{s:.1} s"),

@@ -51,7 +51,7 @@ const NOT_KEPT: &str = "warning: this stop is not on the server's disk yet: shou
 /// Warns of a stop that would not outlive the server.
 fn warn(kept: bool) {
     if !kept {
-        // Nobody may read it; the answer says it too.
+        // It may not be read; the answer says it too.
         say(NOT_KEPT);
     }
 }

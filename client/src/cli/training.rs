@@ -6,10 +6,9 @@ use super::output::Output;
 use super::progress::wait;
 use super::quantity::or_unknown;
 use super::table::{Column, Table};
-use super::unreadable::{unreadable, with};
+use super::unreadable::with;
 use crate::client::Client;
 use clap::Subcommand;
-use futures_util::TryStreamExt;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -55,11 +54,7 @@ Examples:
 impl Command {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         match self {
-            Self::List => {
-                let environments = wait(client.training_environments().try_collect()).await?;
-                let unreadable = unreadable(client, "environments", true).await?;
-                output.result(&Page { environments, unreadable, next_page_token: None }, list)
-            }
+            Self::List => output.result(&wait(client.whole::<Page>(None)).await?, list),
             Self::Describe { environment } => {
                 output.result(&wait(client.get_training_environment(&environment)).await?, describe)
             }

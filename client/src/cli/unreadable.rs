@@ -1,19 +1,7 @@
-//! What a list holds and the server cannot read: fetched with it, and shown below it.
+//! What a list holds and the server cannot read: shown below it.
 
-use super::progress::wait;
-use crate::client::Client;
-use crate::error::Error;
 use std::fmt::Write;
 use umwelt_api::page::Unreadable;
-
-/// What the server keeps of `kind` and cannot read; nothing where the list `is_whole` no more.
-pub(super) async fn unreadable(
-    client: &Client,
-    kind: &str,
-    is_whole: bool,
-) -> Result<Vec<Unreadable>, Error> {
-    if is_whole { wait(client.unreadable(kind)).await } else { Ok(Vec::new()) }
-}
 
 /// The list with what cannot be read below it.
 pub(super) fn with(mut list: String, unreadable: &[Unreadable]) -> String {

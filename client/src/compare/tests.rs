@@ -2,9 +2,7 @@
 
 use super::*;
 use crate::test_server::{Server, answer, json};
-use futures_util::TryStreamExt;
-use http_body_util::BodyExt;
-use hyper::{Method, StatusCode};
+use hyper::StatusCode;
 use std::sync::{Arc, Mutex};
 use umwelt_api::problem::Status;
 
@@ -18,8 +16,6 @@ pub(crate) const COMPARISON: &str = r#"{
                  "elapsed_s": 0, "remaining_s": null}
 }"#;
 
-const UNAVAILABLE: &str =
-    r#"{"error": {"code": 503, "status": "UNAVAILABLE", "message": "m", "details": []}}"#;
 const PRECONDITION: &str =
     r#"{"error": {"code": 409, "status": "FAILED_PRECONDITION", "message": "m", "details": []}}"#;
 
@@ -40,73 +36,14 @@ async fn refusing() -> (Server, Arc<Mutex<Vec<String>>>) {
 }
 
 #[tokio::test]
-async fn a_submit_that_is_sent_again_has_the_same_key() {
-    let seen = Arc::new(Mutex::new(Vec::new()));
-    let server = {
-        let seen = Arc::clone(&seen);
-        Server::start(move |request| {
-            let to = (request.method().clone(), request.uri().path().to_owned());
-            assert_eq!(to, (Method::POST, "/v1/comparisons".to_owned()));
-            let seen = Arc::clone(&seen);
-            async move {
-                let key = request.headers()["idempotency-key"].to_str().unwrap().to_owned();
-                let body = request.into_body().collect().await.unwrap().to_bytes();
-                let mut seen = seen.lock().unwrap();
-                seen.push((key, body));
-                match seen.len() {
-                    1 => json(StatusCode::SERVICE_UNAVAILABLE, UNAVAILABLE),
-                    _ => json(StatusCode::CREATED, COMPARISON),
-                }
-            }
-        })
-        .await
-    };
-    let client = Client::new(&server.url).unwrap();
-    let request = comparison::Request { seed: Some(7), ..Default::default() };
-    let submitted = client.submit_comparison(&request, None).await.unwrap();
-    assert_eq!(submitted.comparison.as_str(), "comparison-12");
-    let given = "mine-1".parse().unwrap();
-    client.submit_comparison(&request, Some(&given)).await.unwrap();
-    let seen = seen.lock().unwrap();
-    let keys: Vec<_> = seen.iter().map(|(key, _)| key.as_str()).collect();
-    assert_eq!((keys[0], keys[2], keys[0].len()), (keys[1], "mine-1", 32));
-    assert_eq!(comparison::Request::read(&seen[0].1).unwrap().into_inner(), request);
-}
-
-#[tokio::test]
-async fn the_list_is_walked_over_all_its_pages() {
-    let seen = Arc::new(Mutex::new(Vec::new()));
-    let server = {
-        let seen = Arc::clone(&seen);
-        Server::start(move |request| {
-            let path = request.uri().to_string();
-            let next = if path.contains("page_token=t") { "null" } else { "\"t\"" };
-            let page = format!(r#"{{"comparisons": [{COMPARISON}], "next_page_token": {next}}}"#);
-            seen.lock().unwrap().push(path);
-            async move { json(StatusCode::OK, &page) }
-        })
-        .await
-    };
-    let client = Client::new(&server.url).unwrap();
-    let failed = Some(comparison::State::Failed);
-    let comparisons: Vec<_> = client.comparisons(failed).try_collect().await.unwrap();
-    assert_eq!(comparisons.len(), 2);
-    let expected = [
-        "/v1/comparisons?page_size=500&state=failed",
-        "/v1/comparisons?page_size=500&page_token=t&state=failed",
-    ];
-    assert_eq!(*seen.lock().unwrap(), expected);
-}
-
-#[tokio::test]
 async fn every_method_asks_its_route_for_its_kind() {
     let (server, seen) = refusing().await;
     let client = Client::new(&server.url).unwrap();
     let id = "comparison-1".parse().unwrap();
     let statuses = [
-        client.get_comparison(&id).await.err(),
-        client.cancel_comparison(&id).await.err(),
-        client.delete_comparison(&id).await.err(),
+        client.job::<ComparisonKind>(&id).await.err(),
+        client.cancel::<ComparisonKind>(&id).await.err(),
+        client.remove::<ComparisonKind>(&id).await.err(),
         client.comparison_figure(&id, Figure::Pareto).await.err(),
         client.comparison_trials(&id).await.err(),
         client.comparison_report(&id).await.err(),
@@ -124,7 +61,7 @@ async fn every_method_asks_its_route_for_its_kind() {
     assert_eq!(*seen.lock().unwrap(), expected);
 }
 
-/// The bug to fear: the page of some proxy, or columns in another order, taken for trials.
+/// Guards against the page of some proxy, or columns in another order, taken for trials.
 #[tokio::test]
 async fn what_is_not_what_was_asked_for_is_refused() {
     const HEADER: &str = "environment,contender,trial,arrived,time_s,deviation_m,recognised_samples,covered_samples,samples";

@@ -12,8 +12,9 @@ use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
 use std::time::Duration;
 use tower::util::rng::{HasherRng, Rng};
+use umwelt_api::RobotId;
 use umwelt_api::event::Event;
-use umwelt_api::{ComparisonId, EvolutionId, RobotId, comparison, evolution};
+use umwelt_api::job::{JobEvent, JobKind, JobNews};
 
 /// Without a byte for so long the connection is taken for dead. The server says something every 15 s.
 pub const SILENCE: Duration = Duration::from_secs(40);
@@ -23,14 +24,11 @@ const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
 /// The stream of [`Client::events`].
 pub type Events = BoxStream<'static, Result<Event, Error>>;
 
-/// The stream of [`Client::evolution_events`].
-pub type EvolutionEvents = BoxStream<'static, Result<evolution::Event, Error>>;
-
-/// The stream of [`Client::comparison_events`].
-pub type ComparisonEvents = BoxStream<'static, Result<comparison::Event, Error>>;
+/// The stream of [`Client::job_events`].
+pub type JobEvents<K> = BoxStream<'static, Result<JobEvent<K>, Error>>;
 
 /// An event of some stream.
-trait Numbered: DeserializeOwned + Send + 'static {
+pub(crate) trait Numbered: DeserializeOwned + Send + 'static {
     /// Behind which to resume.
     fn id(&self) -> u64;
 
@@ -48,23 +46,13 @@ impl Numbered for Event {
     }
 }
 
-impl Numbered for evolution::Event {
+impl<K: JobKind> Numbered for JobEvent<K> {
     fn id(&self) -> u64 {
         self.id
     }
 
     fn is_last(&self) -> bool {
-        matches!(&self.kind, evolution::Kind::State { state, .. } if state.has_ended())
-    }
-}
-
-impl Numbered for comparison::Event {
-    fn id(&self) -> u64 {
-        self.id
-    }
-
-    fn is_last(&self) -> bool {
-        matches!(&self.kind, comparison::Kind::State { state, .. } if state.has_ended())
+        self.kind.state().is_some_and(|(state, _)| state.has_ended())
     }
 }
 
@@ -102,42 +90,10 @@ impl Client {
         };
         follow(self, url, after).await
     }
-
-    /// What happens to an evolution: the generations behind `after` (so many have ended; all of them without), the
-    /// state as it is now, then each generation and each change of state. It ends after the state in which the
-    /// evolution ended.
-    ///
-    /// It reconnects as [`Client::events`] does, also to a server that was started anew, and misses no generation.
-    ///
-    /// # Errors
-    /// NOT_FOUND where the evolution is not known, and whatever [`Error`] tells.
-    pub async fn evolution_events(
-        &self,
-        evolution: &EvolutionId,
-        after: Option<u64>,
-    ) -> Result<EvolutionEvents, Error> {
-        let url = self.at(&["v1", "evolutions", evolution.as_str(), "events"]);
-        follow(self, url, after).await
-    }
-
-    /// What happens to a comparison: the state as it is now, then each change of it. It ends after the state in which
-    /// the comparison ended.
-    ///
-    /// It reconnects as [`Client::events`] does, also to a server that was started anew.
-    ///
-    /// # Errors
-    /// NOT_FOUND where the comparison is not known, and whatever [`Error`] tells.
-    pub async fn comparison_events(
-        &self,
-        comparison: &ComparisonId,
-    ) -> Result<ComparisonEvents, Error> {
-        let url = self.at(&["v1", "comparisons", comparison.as_str(), "events"]);
-        // Only the newest state counts, and that is told whatever was told before.
-        follow(self, url, None).await
-    }
 }
 
-async fn follow<E: Numbered>(
+/// The events at `url`, behind `after`.
+pub(crate) async fn follow<E: Numbered>(
     client: &Client,
     url: Url,
     after: Option<u64>,

@@ -4,7 +4,9 @@ use super::*;
 use crate::test_server::{Server, answer, json};
 use hyper::{HeaderMap, Method, StatusCode};
 use std::sync::{Arc, Mutex};
+use umwelt_api::comparison::ComparisonKind;
 use umwelt_api::event::Kind;
+use umwelt_api::evolution::EvolutionKind;
 use umwelt_api::problem::Status;
 
 const NOT_FOUND: &str =
@@ -92,15 +94,15 @@ async fn an_evolution_is_followed_over_a_restart_until_it_has_ended() {
     };
     let client = Client::new(&server.url).unwrap();
     let id = "evolution-1".parse().unwrap();
-    let events = client.evolution_events(&id, None).await.unwrap();
-    let told = events.map(|event| match event {
+    let events = client.job_events::<EvolutionKind>(&id, None).await.unwrap();
+    let words = events.map(|event| match event {
         Ok(event) => format!("{} {}", event.kind.name(), event.id),
         Err(error) => format!("transient {}", error.is_transient()),
     });
     // One more than it should have: a stream that does not end fails here rather than hangs.
-    let told: Vec<_> = told.take(6).collect().await;
+    let words: Vec<_> = words.take(6).collect().await;
     let expected = ["generation 1", "state 1", "transient true", "state 1", "state 2"];
-    assert_eq!(told, expected);
+    assert_eq!(words, expected);
     assert_eq!(*seen.lock().unwrap(), [None, Some(1)]);
 }
 
@@ -135,13 +137,14 @@ async fn a_comparison_is_followed_over_a_restart_until_it_has_ended() {
         .await
     };
     let client = Client::new(&server.url).unwrap();
-    let events = client.comparison_events(&"comparison-1".parse().unwrap()).await.unwrap();
-    let told = events.map(|event| match event {
+    let events =
+        client.job_events::<ComparisonKind>(&"comparison-1".parse().unwrap(), None).await.unwrap();
+    let words = events.map(|event| match event {
         Ok(event) => format!("{} {}", event.kind.name(), event.id),
         Err(error) => format!("transient {}", error.is_transient()),
     });
     // One more than it should have: a stream that does not end fails here rather than hangs.
-    let told: Vec<_> = told.take(6).collect().await;
-    assert_eq!(told, ["state 0", "state 4", "transient true", "state 4", "state 9"]);
+    let words: Vec<_> = words.take(6).collect().await;
+    assert_eq!(words, ["state 0", "state 4", "transient true", "state 4", "state 9"]);
     assert_eq!(*seen.lock().unwrap(), [None, Some(4)]);
 }

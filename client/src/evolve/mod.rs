@@ -1,18 +1,15 @@
-//! Priors, simulated environments and evolutions: one method per route.
+//! Priors, simulated environments, and what evolutions alone have: one method per route.
 
 use crate::client::Client;
 use crate::error::Error;
 use crate::pages::{self, add_query};
 use futures_util::stream::BoxStream;
 use reqwest::Url;
-use umwelt_api::evolution::{self, Evolution, Figure, Generation, GenerationsPage};
+use umwelt_api::evolution::{EvolutionKind, Figure, Generation, GenerationsPage};
 use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
 use umwelt_api::prior::{self, Prior};
 use umwelt_api::training;
-use umwelt_api::{EnvironmentId, EvolutionId, IdempotencyKey, PriorId};
-
-/// Evolutions of a page, of which each may have a report of some tens of kilobytes.
-const EVOLUTIONS_SIZE: u64 = 50;
+use umwelt_api::{EnvironmentId, EvolutionId, PriorId};
 
 impl Client {
     /// Names a prior, for the first time or anew.
@@ -122,76 +119,6 @@ impl Client {
         })
     }
 
-    /// Submits an evolution. Sent twice under one `key` it is one evolution; without one a [`crate::fresh_key`] is taken, so
-    /// that the retries of this call are safe. To try again after an error, keep the key.
-    ///
-    /// # Errors
-    /// RESOURCE_EXHAUSTED where too many wait, FAILED_PRECONDITION where the key came with another request, and
-    /// whatever [`Error`] tells.
-    pub async fn submit_evolution(
-        &self,
-        request: &evolution::Request,
-        key: Option<&IdempotencyKey>,
-    ) -> Result<Evolution, Error> {
-        self.create(self.at(&["v1", "evolutions"]), request, key).await
-    }
-
-    /// How far an evolution has got, and what it found.
-    ///
-    /// # Errors
-    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
-    pub async fn get_evolution(&self, evolution: &EvolutionId) -> Result<Evolution, Error> {
-        self.get(self.evolution(evolution, &[])).await
-    }
-
-    /// Removes an evolution with its generations; a prior that it found stays.
-    ///
-    /// # Errors
-    /// FAILED_PRECONDITION where it has not ended, NOT_FOUND where it is not known, and whatever [`Error`] tells.
-    pub async fn delete_evolution(&self, evolution: &EvolutionId) -> Result<(), Error> {
-        self.delete(self.evolution(evolution, &[])).await
-    }
-
-    /// Cancels an evolution; what came of its generations stays.
-    ///
-    /// # Errors
-    /// FAILED_PRECONDITION where it has ended otherwise, NOT_FOUND where it is not known, and whatever [`Error`]
-    /// tells.
-    pub async fn cancel_evolution(&self, evolution: &EvolutionId) -> Result<Evolution, Error> {
-        self.post(self.evolution(evolution, &["cancel"])).await
-    }
-
-    /// One page of the evolutions, the newest first. [`Client::evolutions`] walks over all pages.
-    ///
-    /// # Errors
-    /// Whatever [`Error`] tells.
-    pub async fn list_evolutions(
-        &self,
-        query: &evolution::PageQuery,
-    ) -> Result<evolution::Page, Error> {
-        let mut url = self.at(&["v1", "evolutions"]);
-        let state = query.state.map(evolution::State::name);
-        add_query(&mut url, query.page_size, query.page_token.as_deref(), state);
-        self.get(url).await
-    }
-
-    /// All evolutions, or those in one state, the newest first. An error ends the stream.
-    pub fn evolutions(
-        &self,
-        state: Option<evolution::State>,
-    ) -> BoxStream<'static, Result<Evolution, Error>> {
-        let client = self.clone();
-        pages::all(format!("GET {}", self.at(&["v1", "evolutions"])), move |page_token| {
-            let client = client.clone();
-            async move {
-                let page_size = Some(EVOLUTIONS_SIZE);
-                let query = evolution::PageQuery { page_size, page_token, state };
-                let page = client.list_evolutions(&query).await?;
-                Ok((page.evolutions, page.next_page_token))
-            }
-        })
-    }
-
     /// One page of the generations of an evolution. [`Client::generations`] walks over all pages.
     ///
     /// # Errors
@@ -201,8 +128,9 @@ impl Client {
         evolution: &EvolutionId,
         query: &PageQuery,
     ) -> Result<GenerationsPage, Error> {
-        let path = ["v1", "evolutions", evolution.as_str(), "generations"];
-        self.get(self.paged(&path, query)).await
+        let mut url = self.below_job::<EvolutionKind>(evolution, &["generations"]);
+        add_query(&mut url, query.page_size, query.page_token.as_deref(), None);
+        self.get(url).await
     }
 
     /// All generations of an evolution as far as they have ended, in their order. An error ends the stream.
@@ -211,7 +139,7 @@ impl Client {
         evolution: &EvolutionId,
     ) -> BoxStream<'static, Result<Generation, Error>> {
         let (client, evolution) = (self.clone(), evolution.clone());
-        let what = format!("GET {}", self.evolution(&evolution, &["generations"]));
+        let what = format!("GET {}", self.below_job::<EvolutionKind>(&evolution, &["generations"]));
         pages::all(what, move |page_token| {
             let (client, evolution) = (client.clone(), evolution.clone());
             async move {
@@ -228,11 +156,7 @@ impl Client {
     /// FAILED_PRECONDITION before the first generation has ended, NOT_FOUND where the evolution is not known,
     /// [`Error::Protocol`] where the answer is no text, and whatever [`Error`] tells.
     pub async fn figure(&self, evolution: &EvolutionId, figure: Figure) -> Result<String, Error> {
-        self.svg(self.evolution(evolution, &["figures", figure.name()])).await
-    }
-
-    fn evolution(&self, evolution: &EvolutionId, below: &[&str]) -> Url {
-        self.at(&[&["v1", "evolutions", evolution.as_str()], below].concat())
+        self.svg(self.below_job::<EvolutionKind>(evolution, &["figures", figure.name()])).await
     }
 
     fn paged(&self, path: &[&str], query: &PageQuery) -> Url {

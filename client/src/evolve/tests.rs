@@ -7,6 +7,7 @@ use http_body_util::BodyExt;
 use hyper::{HeaderMap, Method, StatusCode};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
+use umwelt_api::evolution;
 use umwelt_api::problem::Status;
 
 /// An evolution as a server shows it.
@@ -53,11 +54,11 @@ async fn a_submit_that_is_sent_again_has_the_same_key() {
     };
     let client = Client::new(&server.url).unwrap();
     let request = evolution::Request { seed: Some(7), ..Default::default() };
-    let submitted = client.submit_evolution(&request, None).await.unwrap();
-    assert_eq!(submitted.evolution.as_str(), "evolution-12");
+    let submitted = client.submit::<EvolutionKind>(&request, None).await.unwrap();
+    assert_eq!(submitted.id.as_str(), "evolution-12");
     let given = "mine-1".parse().unwrap();
-    client.submit_evolution(&request, Some(&given)).await.unwrap();
-    client.submit_evolution(&request, None).await.unwrap();
+    client.submit::<EvolutionKind>(&request, Some(&given)).await.unwrap();
+    client.submit::<EvolutionKind>(&request, None).await.unwrap();
     let seen = seen.lock().unwrap();
     let keys: Vec<_> = seen.iter().map(|(key, _)| key.as_str()).collect();
     assert_eq!((keys[0], keys[2], keys[0].len()), (keys[1], "mine-1", 32));
@@ -90,7 +91,7 @@ async fn lists_are_walked_over_all_their_pages() {
     };
     let client = Client::new(&server.url).unwrap();
     let failed = Some(evolution::State::Failed);
-    let evolutions: Vec<_> = client.evolutions(failed).try_collect().await.unwrap();
+    let evolutions: Vec<_> = client.jobs::<EvolutionKind>(failed).try_collect().await.unwrap();
     assert_eq!(evolutions.len(), 2);
     let generations: Vec<_> =
         client.generations(&"e".parse().unwrap()).try_collect().await.unwrap();
@@ -182,9 +183,9 @@ async fn every_method_asks_its_route() {
         client.put_training_environment(&environment, &training).await.err(),
         client.get_training_environment(&environment).await.err(),
         client.delete_training_environment(&environment).await.err(),
-        client.get_evolution(&evolution).await.err(),
-        client.cancel_evolution(&evolution).await.err(),
-        client.delete_evolution(&evolution).await.err(),
+        client.job::<EvolutionKind>(&evolution).await.err(),
+        client.cancel::<EvolutionKind>(&evolution).await.err(),
+        client.remove::<EvolutionKind>(&evolution).await.err(),
     ]
     .map(|error| error.and_then(|error| error.status()));
     assert_eq!(statuses, [Some(Status::FailedPrecondition); 9]);

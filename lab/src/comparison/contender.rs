@@ -1,8 +1,6 @@
 //! Who is compared: a method with its prior and its number of slots.
 
-use super::Trial;
-use super::scenario::Environment;
-use super::settings::ComparisonSettings;
+use super::episode::Trial;
 use super::witness::{Errors, Oracle, Witness};
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
 use umwelt_core::conjugate::SampleStatistics;
@@ -188,22 +186,18 @@ impl Contender {
         }
     }
 
-    /// Drives one episode. `known` says how each environment shows in the samples, and `here` which one this is; empty
-    /// where that is not asked.
+    /// Drives `scenario`, whose controller is told what [`Contender::settings`] says, and whose time limit counts from the
+    /// end of the calibration. `known` says how each environment shows in the samples, and `here` which one this is;
+    /// empty where that is not asked.
     pub(super) fn drive(
         &self,
-        settings: &ComparisonSettings,
-        environment: &Environment,
+        scenario: Scenario,
         known: &[Errors],
         here: usize,
         seed: u64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let told = self.settings(&settings.controller);
-        let limit = settings.time_limit;
-        let scenario = Scenario {
-            time_limit: limit + CALIBRATION_TIME,
-            ..settings.episode(environment, told)
-        };
+        let (told, limit) = (scenario.settings, scenario.time_limit);
+        let scenario = Scenario { time_limit: limit + CALIBRATION_TIME, ..scenario };
         match self.approach {
             Approach::FixedNormal
             | Approach::FixedBad

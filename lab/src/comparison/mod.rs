@@ -1,8 +1,8 @@
 //! Methods compared: contenders x environments x trials, on the same seeds.
 //!
 //! [`Comparison`] is a state machine without a clock, a thread or a file, as
-//! [`Evolution`](crate::evolution::Evolution) is: [`Comparison::jobs`] says what is to be driven now,
-//! [`Comparison::evaluate`] drives one episode, on whatever thread, [`Comparison::tell`] takes the results in. Between two
+//! [`Evolution`](crate::evolution::Evolution) is: [`Comparison::batch`] says which episodes are to be driven
+//! now, [`Comparison::evaluate`] drives one, on whatever thread, [`Comparison::tell`] takes the evaluations in. Between two
 //! `tell`s its whole state can be stored and taken up again: the report is the same, bit for bit.
 //!
 //! 1. *Reference*: on seeds of their own, how each environment shows in the samples, so that it can be said when a
@@ -16,8 +16,8 @@
 //! let thesis = ComparisonSettings::scenario("thesis").ok_or("no such scenario")?;
 //! let mut comparison = Comparison::new(ComparisonSettings { trials: 2, ..thesis })?;
 //! while comparison.report().is_none() {
-//!     let jobs = comparison.jobs();
-//!     let evaluations: Vec<_> = jobs.iter().map(|job| comparison.evaluate(job)).collect();
+//!     let evaluate = |episode: &_| Comparison::evaluate(comparison.settings(), episode);
+//!     let evaluations: Vec<_> = comparison.batch().iter().map(evaluate).collect();
 //!     comparison.tell(&evaluations)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -26,6 +26,9 @@
 pub mod beliefs;
 mod bootstrap;
 mod contender;
+mod environment;
+mod episode;
+mod quantities;
 mod report;
 mod scenario;
 mod settings;
@@ -33,11 +36,14 @@ mod witness;
 mod work;
 
 pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
+pub use environment::Environment;
+pub use episode::{Distribution, Episode, Evaluation, Trial};
+pub use quantities::{LEVEL, Quantities};
 pub use report::{
-    Claim, Difference, Entry, EnvironmentReport, LEVEL, PROMISED_DEVIATION, PROMISED_TIME,
-    Quantities, Recognition, Report, Summary,
+    Claim, Difference, Entry, EnvironmentReport, PROMISED_DEVIATION, PROMISED_TIME, Recognition,
+    Report, Summary,
 };
-pub use scenario::{Environment, SCENARIOS, TRIALS};
+pub use scenario::{SCENARIOS, TRIALS};
 pub use settings::{
     ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
 };
@@ -45,8 +51,8 @@ pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
 
 use crate::evolution::TellError;
 use crate::seeds::{self, Purpose};
+use episode::Driver;
 use serde::{Deserialize, Serialize};
-use umwelt_core::conjugate::SampleStatistics;
 
 /// Version of the stored state; a state of another version is not taken up.
 pub const STATE_VERSION: u32 = 1;
@@ -73,51 +79,6 @@ pub enum Stage {
     },
     /// There is a report.
     Done,
-}
-
-/// One episode to drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Job {
-    /// Which contender; for the reference, which number of slots.
-    subject: usize,
-    environment: usize,
-    seed: u64,
-}
-
-/// What is kept of one episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Trial {
-    /// Whether the robot arrived within the time limit.
-    pub arrived: bool,
-    /// Time in s from the end of the calibration to the arrival; the time limit where it did not arrive.
-    pub time: f64,
-    /// Largest deviation in m of the true position.
-    pub deviation: f64,
-    /// Samples after which the environment that the robot was in is the one it believed in for good; none where that
-    /// never came, or is not asked.
-    pub recognised: Option<u64>,
-    /// How well its intervals held what came; none where it does not identify.
-    pub coverage: Option<Coverage>,
-}
-
-/// What came of one episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Evaluation {
-    /// What is kept.
-    pub trial: Trial,
-    /// The samples of each channel.
-    samples: [SampleStatistics; 4],
-}
-
-/// Every trial of a contender in an environment, in the order of the seeds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Distribution {
-    /// The environment.
-    pub environment: String,
-    /// The contender's label.
-    pub contender: String,
-    /// Its trials.
-    pub trials: Vec<Trial>,
 }
 
 /// A comparison: settings, and how far it has got.
@@ -184,7 +145,7 @@ impl Comparison {
         &self.state
     }
 
-    /// What it was told.
+    /// What was asked for.
     pub fn settings(&self) -> &ComparisonSettings {
         &self.settings
     }
@@ -205,7 +166,7 @@ impl Comparison {
         reference as u64 + self.settings.compared_episodes()
     }
 
-    /// What came of it, once it is done.
+    /// Its final result, once it is done.
     pub fn report(&self) -> Option<&Report> {
         self.state.report.as_ref()
     }
@@ -238,58 +199,70 @@ impl Comparison {
         slots
     }
 
-    /// What is to be driven now. Empty once done.
-    pub fn jobs(&self) -> Vec<Job> {
+    /// The episodes to drive now. Empty once done.
+    pub fn batch(&self) -> Vec<Episode> {
         let ComparisonSettings { environments, contenders, seed, trials, .. } = &self.settings;
-        let (purpose, subjects, trials) = match self.state.stage {
-            Stage::Reference => (Purpose::Recognise, self.slots().len(), 0..REFERENCE_TRIALS),
+        let (purpose, drivers, trials): (_, Vec<_>, _) = match self.state.stage {
+            Stage::Reference => {
+                let reference = |slots| (Driver::Reference { slots }, &[][..]);
+                let drivers = self.slots().into_iter().map(reference).collect();
+                (Purpose::Recognise, drivers, 0..REFERENCE_TRIALS)
+            }
             Stage::Trials { done } => {
                 let batch = BATCH.max(self.settings.compared_episodes() as usize / BATCHES);
                 let batch = (batch / (environments.len() * contenders.len())).max(1);
-                (Purpose::Compare, contenders.len(), done..(done + batch).min(*trials))
+                let drivers = contenders.iter().enumerate().map(|(index, contender)| {
+                    let known = self.state.known.iter().find(|it| it.slots == contender.slots);
+                    let known = known.map_or(&[][..], |known| &known.environments);
+                    (Driver::Contender { index }, known)
+                });
+                (Purpose::Compare, drivers.collect(), done..(done + batch).min(*trials))
             }
             Stage::Done => return Vec::new(),
         };
         let of_trial = |trial| {
+            let drivers = &drivers;
             (0..environments.len()).flat_map(move |environment| {
                 // Common random numbers: no seed depends on the contender.
                 let seed = seeds::seed(*seed, purpose, [environment, trial, 0]);
-                (0..subjects).map(move |subject| Job { subject, environment, seed })
+                drivers.iter().map(move |(driver, known)| {
+                    let (driver, known) = (*driver, known.to_vec());
+                    Episode { driver, environment, seed, known }
+                })
             })
         };
         trials.flat_map(of_trial).collect()
     }
 
-    /// Drives one episode of [`Comparison::jobs`]. The same job gives the same evaluation, bit for bit, on any thread.
-    pub fn evaluate(&self, job: &Job) -> Evaluation {
-        let environment = &self.settings.environments[job.environment];
-        let (trial, samples) = match self.state.stage {
-            Stage::Reference => {
-                let slots = self.slots()[job.subject];
-                let statistic = Contender {
+    /// Drives one episode of [`Comparison::batch`] of a comparison of these settings. The same episode gives the same
+    /// evaluation, bit for bit, on any thread and in any process.
+    pub fn evaluate(settings: &ComparisonSettings, episode: &Episode) -> Evaluation {
+        let reference;
+        let contender = match episode.driver {
+            Driver::Contender { index } => &settings.contenders[index],
+            Driver::Reference { slots } => {
+                reference = Contender {
                     name: BASELINE.to_owned(),
                     approach: Approach::Statistic,
                     slots,
-                    prior: self.settings.controller.prior,
+                    prior: settings.controller.prior,
                 };
-                statistic.drive(&self.settings, environment, &[], 0, job.seed)
-            }
-            Stage::Trials { .. } | Stage::Done => {
-                let contender = &self.settings.contenders[job.subject];
-                let known = self.state.known.iter().find(|it| it.slots == contender.slots);
-                let known = known.map_or(&[][..], |known| &known.environments);
-                contender.drive(&self.settings, environment, known, job.environment, job.seed)
+                &reference
             }
         };
+        let told = contender.settings(&settings.controller);
+        let scenario = settings.episode(&settings.environments[episode.environment], told);
+        let Episode { known, environment, seed, .. } = episode;
+        let (trial, samples) = contender.drive(scenario, known, *environment, *seed);
         Evaluation { trial, samples }
     }
 
-    /// Takes in the evaluations of [`Comparison::jobs`], in their order, and goes on.
+    /// Takes in the evaluations of [`Comparison::batch`], in their order, and goes on.
     ///
     /// # Errors
-    /// Where there are more or fewer than jobs; nothing has happened then.
+    /// Where there are more or fewer than episodes; nothing has happened then.
     pub fn tell(&mut self, evaluations: &[Evaluation]) -> Result<(), TellError> {
-        let asked = self.jobs().len();
+        let asked = self.batch().len();
         if evaluations.len() != asked {
             return Err(TellError { given: evaluations.len(), asked });
         }

@@ -1,39 +1,19 @@
-//! What came of a comparison: every contender's distributions in numbers, and what the thesis's claims come to.
+//! The report of a comparison: every contender's distributions in numbers, and what the thesis's claims come to.
 
-use super::Trial;
 use super::bootstrap::{Replicates, Resamples, Sorted};
 use super::contender::{BASELINE, CHAMPION, Contender};
+use super::episode::Trial;
+use super::quantities::Quantities;
 use super::settings::ComparisonSettings;
 use super::witness::Coverage;
 use crate::evolution::Estimate;
 use serde::{Deserialize, Serialize};
-
-/// Probability mass of every interval of a report.
-pub const LEVEL: f64 = 0.95;
 
 /// How much smaller the thesis's abstract says the deviation is than that of [`BASELINE`].
 pub const PROMISED_DEVIATION: f64 = 0.75;
 
 /// How much shorter it says the completion time is.
 pub const PROMISED_TIME: f64 = 0.35;
-
-/// Mean, median and 90 % quantile of a quantity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Quantities<T> {
-    /// The mean.
-    pub mean: T,
-    /// The median, nearest rank.
-    pub median: T,
-    /// The 90 % quantile, nearest rank.
-    pub p90: T,
-}
-
-impl<T> Quantities<T> {
-    /// The same of what `of` makes of each.
-    pub fn map<U>(self, mut of: impl FnMut(T) -> U) -> Quantities<U> {
-        Quantities { mean: of(self.mean), median: of(self.median), p90: of(self.p90) }
-    }
-}
 
 /// Completion time in s and largest deviation in m, or what is made of them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,7 +64,7 @@ pub struct Entry {
     pub difference: Option<Difference>,
 }
 
-/// An environment, with everybody in it.
+/// An environment, with every contender in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentReport {
     /// Its name.
@@ -107,7 +87,7 @@ pub struct Claim {
     pub time: Quantities<Estimate>,
 }
 
-/// What came of a comparison.
+/// The report of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Trials of each contender in each environment.

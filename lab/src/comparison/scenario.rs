@@ -3,6 +3,7 @@
 //! Every constant that the thesis leaves out is named here with its reason.
 
 use super::contender;
+use super::environment::Environment;
 use super::settings::ComparisonSettings;
 use std::f64::consts::FRAC_PI_2;
 use umwelt_core::episode::Region;
@@ -41,19 +42,6 @@ const FIELD_LAG: (f64, f64) = (0.08, 0.04);
 /// speed, and 4 s are a silence as Wi-Fi to a moving robot has them (field facts: whole seconds, worst 12 s).
 const OUTAGE: Outage = Outage { start: 30.0, duration: 4.0 };
 
-/// An environment of a comparison: a robot on its floor, and the link to it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Environment {
-    /// Its name.
-    pub name: String,
-    /// What the robot and its floor really are like.
-    pub plant: PlantModel,
-    /// The link.
-    pub link: LinkModel,
-    /// A part of the room where floor or link are different.
-    pub region: Option<Region>,
-}
-
 /// The robot of the thesis, whose wheels follow at once: its model knows no lag.
 fn thesis_robot() -> Settings {
     Settings { noise: PoseNoise::CAMERA, ..Settings::default() }
@@ -66,18 +54,18 @@ fn field_robot() -> Settings {
     Settings { drive, ..thesis_robot() }
 }
 
-/// A robot that is not quite as its controller was told (field facts: robots differ by 0.4 % and 1 %; these are some
+/// A robot that is not quite as its controller assumes (field facts: robots differ by 0.4 % and 1 %; these are some
 /// times that, a robot with a worn wheel and a load): wheels 2 % too large, a track 4 % too wide, one wheel larger than
 /// the other, so that it drifts by 0.05 rad/m, and a lag of which its controller knows nothing.
 fn uncalibrated(settings: &Settings) -> PlantModel {
     let (lag, dead_time) = FIELD_LAG;
-    let told = settings.drive;
+    let assumed = settings.drive;
     let drive = Drive {
-        wheel_radius: 1.02 * told.wheel_radius,
-        track_width: 1.04 * told.track_width,
+        wheel_radius: 1.02 * assumed.wheel_radius,
+        track_width: 1.04 * assumed.track_width,
         lag,
         dead_time,
-        ..told
+        ..assumed
     };
     let drift = SlipChannel::new(0.05, Slip::HARD.drift.sd()).expect("constants in their domain");
     PlantModel { drive, slip: Slip { drift, ..Slip::HARD }, noise: settings.noise }
@@ -118,7 +106,7 @@ impl ComparisonSettings {
     /// - `link-change`: the same way; the link is bad from 0.8 to 1.6 m.
     /// - `bursty`: the same way over bursty Wi-Fi with silences, on a hard and on a slippery floor.
     /// - `outage`: the same way; nothing gets through for 4 s.
-    /// - `systematic`: the thesis's trip with a robot that is not as its controller was told.
+    /// - `systematic`: the thesis's trip with a robot that is not as its controller assumes.
     ///
     /// ```
     /// use umwelt_lab::comparison::{ComparisonSettings, SCENARIOS};

@@ -11,8 +11,11 @@ fn small(scenario: &str, methods: &[&str], trials: usize) -> Comparison {
 
 fn run(mut comparison: Comparison) -> Comparison {
     while comparison.report().is_none() {
-        let evaluations: Vec<_> =
-            comparison.jobs().iter().map(|job| comparison.evaluate(job)).collect();
+        let evaluations: Vec<_> = comparison
+            .batch()
+            .iter()
+            .map(|it| Comparison::evaluate(comparison.settings(), it))
+            .collect();
         comparison.tell(&evaluations).unwrap();
     }
     comparison
@@ -29,17 +32,17 @@ fn every_scenario_can_run_and_names_its_contenders_once() {
     }
 }
 
-/// The bug to fear: a contender that meets other luck than the others.
+/// Guards against a contender that meets other luck than the others.
 #[test]
 fn every_contender_drives_the_same_seeds() {
     let comparison = small("floor-change", &["statistic/1", "oracle/1", "fixed-bad/20"], 3);
     assert_eq!(comparison.stage(), Stage::Trials { done: 0 });
-    let jobs = comparison.jobs();
-    assert_eq!(jobs.len(), 3 * 2 * 3);
-    for together in jobs.chunks_exact(3) {
-        assert!(together.iter().all(|job| job.seed == together[0].seed));
+    let batch = comparison.batch();
+    assert_eq!(batch.len(), 3 * 2 * 3);
+    for together in batch.chunks_exact(3) {
+        assert!(together.iter().all(|it| it.seed == together[0].seed));
     }
-    let seeds: BTreeSet<_> = jobs.iter().map(|job| job.seed).collect();
+    let seeds: BTreeSet<_> = batch.iter().map(|it| it.seed).collect();
     assert_eq!(seeds.len(), 2 * 3);
 }
 
@@ -51,13 +54,14 @@ fn a_comparison_taken_up_again_comes_to_the_same() {
         let text = serde_json::to_string(again.state()).unwrap();
         let state = serde_json::from_str(&text).unwrap();
         again = Comparison::resume(again.settings().clone(), state).unwrap();
-        let evaluations: Vec<_> = again.jobs().iter().map(|job| again.evaluate(job)).collect();
+        let evaluations: Vec<_> =
+            again.batch().iter().map(|it| Comparison::evaluate(again.settings(), it)).collect();
         assert!(again.tell(&evaluations[1..]).is_err());
         again.tell(&evaluations).unwrap();
     }
     assert_eq!(again, whole);
     assert_eq!(whole.episodes(), whole.total_episodes());
-    assert!(whole.jobs().is_empty());
+    assert!(whole.batch().is_empty());
 }
 
 /// Trials of two contenders whose luck is the same: what one differs by is said to the last digit.
@@ -104,7 +108,7 @@ fn a_report_pairs_each_contender_with_the_statistic_of_its_horizon() {
     assert!((arrived.low - 0.7639).abs() < 1e-4 && (arrived.high - 0.9911).abs() < 1e-4);
 }
 
-/// The bug to fear: trials that never believed the right thing left out of the median.
+/// Guards against trials that never believed the right thing left out of the median.
 #[test]
 fn an_environment_that_is_not_recognised_counts_as_never() {
     let settings = small("thesis", &["statistic/1"], 4).settings;
@@ -130,7 +134,7 @@ fn the_nearest_environment_is_the_one_whose_errors_surprise_least() {
     assert_eq!(Errors::nearest(&known, &believing(0.0, 0.1)), 1);
 }
 
-/// The bug to fear: what is identified on the bad link taken for what is identified on the normal one. With one slot
+/// Guards against what is identified on the bad link taken for what is identified on the normal one. With one slot
 /// the thesis's samples tell them apart; intervals are counted for those who identify alone.
 #[test]
 fn statistic_recognises_the_thesis_environments() {
@@ -166,7 +170,7 @@ fn beliefs_are_honest_where_the_truth_is_drawn_from_the_prior() {
     assert!((coverage.share().unwrap() - 0.9).abs() < 0.01, "{coverage:?}");
 }
 
-/// The bug to fear: a robot that gives up early, or is late, counted as fast.
+/// Guards against a robot that gives up early, or is late, counted as fast.
 #[test]
 fn who_does_not_arrive_in_time_took_the_whole_of_it() {
     for limit in [5.0, 0.5] {
@@ -178,5 +182,27 @@ fn who_does_not_arrive_in_time_took_the_whole_of_it() {
         }
         let entry = &done.report().unwrap().environments[0].entries[0];
         assert_eq!((entry.arrived.mean, entry.summary.time.mean.mean), (0.0, limit));
+    }
+}
+
+/// Guards against an episode that a worker in another process drives otherwise, or whose numbers come back rounded.
+#[test]
+fn episodes_and_evaluations_pass_as_json_bit_for_bit() {
+    let methods = ["statistic/20", "bayesian/20", "oracle/1", "ekf-packet/20"];
+    let mut comparison = small("thesis", &methods, 2);
+    while comparison.report().is_none() {
+        let (batch, settings) = (comparison.batch(), comparison.settings());
+        let evaluate = |it: &Episode| Comparison::evaluate(settings, it);
+        let evaluations: Vec<_> = batch.iter().map(evaluate).collect();
+        let sent: Vec<Episode> =
+            serde_json::from_str(&serde_json::to_string(&batch).unwrap()).unwrap();
+        assert_eq!(sent, batch);
+        let text = serde_json::to_string(&evaluations).unwrap();
+        let read: Vec<Evaluation> = serde_json::from_str(&text).unwrap();
+        assert_eq!(read, evaluations);
+        assert_eq!(serde_json::to_string(&read).unwrap(), text);
+        let last = batch.len() - 1;
+        assert_eq!(evaluate(&sent[last]), evaluations[last]);
+        comparison.tell(&evaluations).unwrap();
     }
 }

@@ -1,10 +1,10 @@
-//! A comparison as work: a batch is a trial of everybody everywhere, or several.
+//! A comparison as work: a batch is one or several trials of every contender in every environment.
 
 use super::{
-    Comparison, ComparisonSettings, Distribution, Evaluation, Job, Report, STATE_VERSION, Stage,
-    State,
+    Comparison, ComparisonSettings, Distribution, Episode, Evaluation, Report, STATE_VERSION,
+    Stage, State,
 };
-use crate::work::{Told, Work};
+use crate::work::{BatchOutcome, Work};
 
 impl Work for Comparison {
     const STATE_VERSION: u32 = STATE_VERSION;
@@ -15,7 +15,7 @@ impl Work for Comparison {
     /// All trials of a contender in an environment. They are kept at the end: until then the checkpoint holds them.
     type Part = Distribution;
     type Report = Report;
-    type Episode = Job;
+    type Episode = Episode;
     type Evaluation = Evaluation;
 
     fn new(settings: ComparisonSettings) -> Result<Self, String> {
@@ -24,6 +24,10 @@ impl Work for Comparison {
 
     fn resume(settings: ComparisonSettings, state: State) -> Result<Self, String> {
         Comparison::resume(settings, state).map_err(|error| error.to_string())
+    }
+
+    fn settings(&self) -> &ComparisonSettings {
+        self.settings()
     }
 
     fn state(&self) -> &State {
@@ -46,18 +50,18 @@ impl Work for Comparison {
         self.report()
     }
 
-    fn batch(&self) -> Vec<Job> {
-        self.jobs()
+    fn batch(&self) -> Vec<Episode> {
+        self.batch()
     }
 
-    fn evaluate(&self, job: &Job) -> Evaluation {
-        self.evaluate(job)
+    fn evaluate(settings: &ComparisonSettings, episode: &Episode) -> Evaluation {
+        Self::evaluate(settings, episode)
     }
 
-    fn tell(&mut self, evaluations: &[Evaluation]) -> Result<Told<Self>, String> {
+    fn tell(&mut self, evaluations: &[Evaluation]) -> Result<BatchOutcome<Self>, String> {
         self.tell(evaluations).map_err(|error| error.to_string())?;
         let is_done = self.report().is_some();
         let parts = if is_done { self.distributions() } else { Vec::new() };
-        Ok(Told { parts: parts.into_iter().enumerate().collect(), latest: None })
+        Ok(BatchOutcome { parts: parts.into_iter().enumerate().collect(), latest: None })
     }
 }

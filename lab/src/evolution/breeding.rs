@@ -1,15 +1,15 @@
 //! The end of a generation, and the next one.
 
+use super::episode::Evaluation;
 use super::generation::{self, Generation};
 use super::genome::{self, Genome};
-use super::job::Evaluation;
 use super::search::Search;
 use super::state::Stage;
 use super::{CANDIDATES, Evolution, empirical_bayes, genetic};
 use crate::seeds::{self, Purpose};
 
 impl Evolution {
-    /// Takes in a generation, breeds the next one, and gives what came of it.
+    /// Takes in a generation, breeds the next one, and gives its results.
     pub(super) fn end_generation(
         &mut self,
         generation: usize,

@@ -2,26 +2,26 @@
 
 use super::Evolution;
 use super::environment::TrainingEnvironment;
+use super::episode::Evaluation;
+use super::failure::{self, Failure, GENERATIONS_WITHOUT_ARRIVAL};
 use super::genome::{self, Genome};
-use super::hopeless::{self, HOPELESS_GENERATIONS, Hopeless};
-use super::job::Evaluation;
 use super::report::{self, Driven, Report};
 use super::settings::EvolutionSettings;
 use umwelt_core::settings::Prior;
 
 impl Evolution {
-    /// Gives up after some generations in which, as before them, nobody has arrived.
-    pub(super) fn give_up_where_nobody_arrives(&mut self, generation: usize) {
-        let enough = HOPELESS_GENERATIONS.min(self.settings.generations);
+    /// Gives up after some generations in which, as before them, no robot has arrived.
+    pub(super) fn give_up_without_arrivals(&mut self, generation: usize) {
+        let enough = GENERATIONS_WITHOUT_ARRIVAL.min(self.settings.generations);
         if self.state.arrivals == Some(0) && generation + 1 >= enough {
-            let environments = hopeless::names(&self.settings.environments);
-            self.state.hopeless =
-                Some(Hopeless::NobodyArrives { environments, episodes: self.state.episodes });
+            let environments = failure::names(&self.settings.environments);
+            self.state.failure =
+                Some(Failure::NobodyArrives { environments, episodes: self.state.episodes });
         }
     }
 
     /// Why the champion, whose trials are the first of the report, is of no use.
-    pub(super) fn champion_fails(&self, evaluations: &[Evaluation]) -> Option<Hopeless> {
+    pub(super) fn champion_fails(&self, evaluations: &[Evaluation]) -> Option<Failure> {
         let EvolutionSettings { environments, limits, report_trials, .. } = &self.settings;
         let trials = report_trials * environments.len();
         let champion = evaluations.get(..trials)?;
@@ -32,11 +32,7 @@ impl Evolution {
             return None;
         }
         let arrived = champion.iter().filter(|it| it.arrived).count() as f64 / trials as f64;
-        Some(Hopeless::ChampionFails {
-            environments: hopeless::names(environments),
-            trials,
-            arrived,
-        })
+        Some(Failure::ChampionFails { environments: failure::names(environments), trials, arrived })
     }
 
     /// Who is reported, the champion first.
@@ -51,7 +47,7 @@ impl Evolution {
         ]
     }
 
-    /// What came of the champion and of what it has to beat.
+    /// The results of the champion and of what it has to beat.
     pub(super) fn make_report(&self, evaluations: &[Evaluation]) -> Report {
         let environments = &self.settings.environments;
         let trials = self.settings.report_trials;

@@ -1,6 +1,6 @@
 //! Named simulated environments, and what counts as fit in them.
 
-use super::job::Evaluation;
+use super::episode::Evaluation;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::Slip;
 
@@ -8,7 +8,7 @@ use umwelt_core::plant::Slip;
 pub const ENVIRONMENTS: [&str; 6] =
     ["normal", "bad-link", "bursty-link", "slippery", "loaded", "towing"];
 
-/// Deviations below this many m count as this many: half of the tolerance at a waypoint, so nobody asks for less.
+/// Deviations below this many m count as this many: half of the tolerance at a waypoint, so that no request asks for less.
 /// Without it 1/d is without bound, and the mean fitness over a few trials says who was lucky with the late packets:
 /// on the thesis's bad link, one command per reply, 5 % of the episodes stray by less.
 pub const SMALLEST_DEVIATION: f64 = 0.005;

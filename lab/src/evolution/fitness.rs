@@ -1,6 +1,6 @@
 //! Fitness: 1 is that of fixed-normal.
 
-use super::job::Evaluation;
+use super::episode::Evaluation;
 use super::settings::EvolutionSettings;
 use super::{Evolution, REFERENCE_TRIALS};
 

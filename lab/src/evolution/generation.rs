@@ -1,9 +1,9 @@
 //! What is kept of a generation: enough for the thesis's figures 6 and 7, and for watching.
 
 use super::environment::TrainingEnvironment;
+use super::episode::Evaluation;
 use super::genetic::ranking;
 use super::genome::{self, Genome};
-use super::job::Evaluation;
 use serde::{Deserialize, Serialize};
 use umwelt_core::settings::Prior;
 
@@ -29,7 +29,7 @@ pub struct GenerationEnvironment {
     pub arrived: f64,
 }
 
-/// What came of a generation.
+/// The results of a generation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Generation {
     /// Its number, from 0.
@@ -42,7 +42,7 @@ pub struct Generation {
     pub environments: Vec<GenerationEnvironment>,
 }
 
-/// What came of `individuals`, whose evaluations follow one another: for each its environments, for each its trials.
+/// The results of `individuals`, whose evaluations follow one another: for each its environments, for each its trials.
 pub(super) fn summary(
     index: usize,
     environments: &[TrainingEnvironment],

@@ -130,7 +130,7 @@ mod tests {
         let (roulette, mut rng, n) = (Roulette::new(&[1.0, 0.0, 3.0, 4.0]), rng(), 100_000);
         let mut counts = [0_usize; 4];
         (0..n).for_each(|_| counts[roulette.spin(&mut rng)] += 1);
-        assert_eq!(counts[1], 0, "without fitness nobody is selected");
+        assert_eq!(counts[1], 0, "without fitness none is selected");
         for (count, p) in counts.into_iter().zip([0.125, 0.0, 0.375, 0.5]) {
             assert!((count as f64 / n as f64 - p).abs() <= tolerance(p, n), "{counts:?}");
         }

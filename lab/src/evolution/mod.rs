@@ -1,10 +1,10 @@
 //! Evolution of priors: individuals are priors, fitness is how well a controller drives with them in simulated
 //! environments (thesis section 4.3 and 5.2).
 //!
-//! [`Evolution`] is a state machine without a clock, a thread or a file: [`Evolution::jobs`] says what is to be
-//! evaluated now, [`Evolution::evaluate`] evaluates one job, on whatever thread, and [`Evolution::tell`] takes the
+//! [`Evolution`] is a state machine without a clock, a thread or a file: [`Evolution::batch`] says which episodes are to
+//! be driven now, [`Evolution::evaluate`] drives one of them, on whatever thread, and [`Evolution::tell`] takes the
 //! evaluations in and goes on. Between two `tell`s its whole state can be stored and taken up again: the result is
-//! the same, bit for bit, whoever evaluates the jobs and in whatever order.
+//! the same, bit for bit, wherever the episodes are evaluated and in whatever order.
 //!
 //! 1. *Reference*: fixed-normal drives each environment; its mean fitness becomes the unit there.
 //! 2. *Generations*: every individual drives the same seeds (common random numbers), fresh ones each generation.
@@ -12,16 +12,16 @@
 //! 3. *Selection*: the ten fittest of the last generation drive fresh seeds; the best of them is the champion.
 //! 4. *Report*: on third seeds, beside the best of the first generation, the weak default prior and a flat one.
 //!
-//! Where nobody arrives there is nothing to select by: it ends without a report and says why ([`Evolution::hopeless`]).
+//! Where no robot arrives there is nothing to select by: it ends without a report and says why ([`Evolution::failure`]).
 //!
 //! ```
 //! use umwelt_lab::evolution::{Evolution, EvolutionSettings};
 //! let quick = EvolutionSettings::preset("quick").ok_or("no such preset")?;
 //! let settings = EvolutionSettings { population: 4, generations: 2, report_trials: 2, ..quick };
 //! let mut evolution = Evolution::new(settings)?;
-//! while evolution.report().is_none() && evolution.hopeless().is_none() {
-//!     let jobs = evolution.jobs();
-//!     let evaluations: Vec<_> = jobs.iter().map(|job| evolution.evaluate(job)).collect();
+//! while evolution.report().is_none() && evolution.failure().is_none() {
+//!     let evaluate = |episode: &_| Evolution::evaluate(evolution.settings(), episode);
+//!     let evaluations: Vec<_> = evolution.batch().iter().map(evaluate).collect();
 //!     evolution.tell(&evaluations)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -32,13 +32,13 @@ mod cma_es;
 mod empirical_bayes;
 mod ending;
 mod environment;
+mod episode;
 pub mod event_probability;
+mod failure;
 mod fitness;
 mod generation;
 mod genetic;
 mod genome;
-mod hopeless;
-mod job;
 mod report;
 mod search;
 mod settings;
@@ -48,10 +48,10 @@ mod work;
 pub use environment::{
     ENVIRONMENTS, Fitness, FitnessLimits, SMALLEST_DEVIATION, TrainingEnvironment,
 };
+pub use episode::{Episode, Evaluation, TellError};
+pub use failure::{Failure, GENERATIONS_WITHOUT_ARRIVAL};
 pub use generation::{Generation, GenerationEnvironment, Spread};
 pub use genetic::GeneticSettings;
-pub use hopeless::{HOPELESS_GENERATIONS, Hopeless};
-pub use job::{Evaluation, Job, TellError};
 pub use report::{Entry, EnvironmentResult, Estimate, LEVEL, Report};
 pub use settings::{
     EvolutionSettings, MAX_BATCH, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_EXPANSION, MAX_GENERATIONS,
@@ -109,7 +109,7 @@ impl Evolution {
         &self.state
     }
 
-    /// What it was told.
+    /// What was asked for.
     pub fn settings(&self) -> &EvolutionSettings {
         &self.settings
     }
@@ -139,20 +139,20 @@ impl Evolution {
         settings.training_episodes() + (beyond * settings.environments.len()) as u64
     }
 
-    /// What came of it, once it is done.
+    /// Its final result, once it is done.
     pub fn report(&self) -> Option<&Report> {
         self.state.report.as_ref()
     }
 
     /// Why it ends without a report, where it does.
-    pub fn hopeless(&self) -> Option<&Hopeless> {
-        self.state.hopeless.as_ref()
+    pub fn failure(&self) -> Option<&Failure> {
+        self.state.failure.as_ref()
     }
 
     /// Subjects of the stage, and trials of each in each environment.
     fn sizes(&self) -> (usize, usize) {
         let settings = &self.settings;
-        if self.state.hopeless.is_some() {
+        if self.state.failure.is_some() {
             return (0, 0);
         }
         match self.state.stage {
@@ -167,9 +167,9 @@ impl Evolution {
         }
     }
 
-    /// What is to be evaluated now: subject by subject, environment by environment, trial by trial. Empty once done
-    /// or hopeless.
-    pub fn jobs(&self) -> Vec<Job> {
+    /// The episodes to drive now: subject by subject, environment by environment, trial by trial. Empty once it has
+    /// ended, with a report or without.
+    pub fn batch(&self) -> Vec<Episode> {
         let (purpose, generation) = match self.state.stage {
             Stage::Reference => (Purpose::Reference, 0),
             Stage::Generations { generation } => (Purpose::Train, generation),
@@ -179,18 +179,22 @@ impl Evolution {
         };
         let (subjects, trials) = self.sizes();
         let environments = self.settings.environments.len();
-        let mut jobs = Vec::with_capacity(subjects * environments * trials);
+        // Empirical Bayes learns from samples of the floor and the link alone.
+        let fits = matches!(self.state.search, Search::EmpiricalBayes { .. });
+        let is_noiseless = fits && matches!(self.state.stage, Stage::Generations { .. });
+        let mut batch = Vec::with_capacity(subjects * environments * trials);
         for subject in 0..subjects {
+            let (method, prior) = self.method(subject);
             for environment in 0..environments {
                 // Common random numbers: no seed depends on the subject.
-                jobs.extend((0..trials).map(|trial| {
+                batch.extend((0..trials).map(|trial| {
                     let place = [generation, environment, trial];
                     let seed = seeds::seed(self.settings.seed, purpose, place);
-                    Job { subject, environment, seed }
+                    Episode { subject, method, prior, environment, is_noiseless, seed }
                 }));
             }
         }
-        jobs
+        batch
     }
 
     /// How a subject of the stage drives.
@@ -208,15 +212,13 @@ impl Evolution {
         (Method::Bayesian, prior)
     }
 
-    /// Drives one episode of [`Evolution::jobs`]. The same job gives the same evaluation, bit for bit, on any thread.
-    pub fn evaluate(&self, job: &Job) -> Evaluation {
-        let EvolutionSettings { controller, task, limits, environments, .. } = &self.settings;
-        let environment = &environments[job.environment];
-        // Empirical Bayes learns from samples of the floor and the link alone.
-        let fits = matches!(self.state.search, Search::EmpiricalBayes { .. });
-        let is_fitted = fits && matches!(self.state.stage, Stage::Generations { .. });
-        let noise = if is_fitted { PoseNoise::NONE } else { controller.noise };
-        let (method, prior) = self.method(job.subject);
+    /// Drives one episode of [`Evolution::batch`] of an evolution of these settings. The same episode gives the same
+    /// evaluation, bit for bit, on any thread and in any process.
+    pub fn evaluate(settings: &EvolutionSettings, episode: &Episode) -> Evaluation {
+        let EvolutionSettings { controller, task, limits, environments, .. } = settings;
+        let environment = &environments[episode.environment];
+        let noise = if episode.is_noiseless { PoseNoise::NONE } else { controller.noise };
+        let Episode { method, prior, .. } = *episode;
         let scenario = Scenario {
             settings: Settings { method, prior, noise, ..*controller },
             plant: PlantModel { drive: controller.drive, slip: environment.slip, noise },
@@ -226,7 +228,7 @@ impl Evolution {
             region: None,
             time_limit: limits.time + CALIBRATION_TIME,
         };
-        let Ok((outcome, controller)) = scenario.run_with(job.seed, |_| {}) else {
+        let Ok((outcome, controller)) = scenario.run_with(episode.seed, |_| {}) else {
             // Checked when the evolution was made; a robot that cannot be simulated does not arrive.
             return Evaluation { time: limits.time, ..Evaluation::default() };
         };
@@ -239,11 +241,11 @@ impl Evolution {
         }
     }
 
-    /// Takes in the evaluations of [`Evolution::jobs`], in their order, and goes on. Returns the generation that
+    /// Takes in the evaluations of [`Evolution::batch`], in their order, and goes on. Returns the generation that
     /// ended with it, if one did.
     ///
     /// # Errors
-    /// Where there are more or fewer than jobs; nothing has happened then.
+    /// Where there are more or fewer than episodes; nothing has happened then.
     pub fn tell(&mut self, evaluations: &[Evaluation]) -> Result<Option<Generation>, TellError> {
         let (subjects, trials) = self.sizes();
         let asked = subjects * self.settings.environments.len() * trials;
@@ -257,14 +259,14 @@ impl Evolution {
             *arrivals += evaluations.iter().filter(|it| it.arrived).count() as u64;
         }
         match self.state.stage {
-            _ if self.state.hopeless.is_some() => {}
+            _ if self.state.failure.is_some() => {}
             Stage::Reference => {
                 self.state.units = self.measure_units(evaluations);
                 self.state.stage = Stage::Generations { generation: 0 };
             }
             Stage::Generations { generation } => {
                 let summary = self.end_generation(generation, evaluations);
-                self.give_up_where_nobody_arrives(generation);
+                self.give_up_without_arrivals(generation);
                 return Ok(Some(summary));
             }
             Stage::Selection => {
@@ -274,8 +276,8 @@ impl Evolution {
                 self.state.stage = Stage::Report;
             }
             Stage::Report => {
-                self.state.hopeless = self.champion_fails(evaluations);
-                if self.state.hopeless.is_none() {
+                self.state.failure = self.champion_fails(evaluations);
+                if self.state.failure.is_none() {
                     self.state.report = Some(self.make_report(evaluations));
                     self.state.stage = Stage::Done;
                 }

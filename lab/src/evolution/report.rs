@@ -70,7 +70,7 @@ pub struct Entry {
     pub environments: Vec<EnvironmentResult>,
 }
 
-/// What came of an evolution.
+/// The result of an evolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The champion's prior.

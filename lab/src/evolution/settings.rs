@@ -1,4 +1,4 @@
-//! What an evolution is told: environments, sizes, optimiser, seed.
+//! The settings of an evolution: environments, sizes, optimiser, seed.
 
 use super::environment::{FitnessLimits, TrainingEnvironment};
 use super::genetic::GeneticSettings;
@@ -20,7 +20,7 @@ pub const MAX_SELECTION_TRIALS: usize = 500;
 pub const MAX_REPORT_TRIALS: usize = 1000;
 /// Most episodes of one evolution, about a day of one core.
 pub const MAX_EPISODES: u64 = 20_000_000;
-/// Most episodes of one generation: what comes of each is held until the generation ends, some 30 MB.
+/// Most episodes of one generation: the evaluation of each is held until the generation ends, some 30 MB.
 pub const MAX_BATCH: u64 = 200_000;
 /// Largest expansion of a crossover.
 pub const MAX_EXPANSION: f64 = 10.0;
@@ -40,7 +40,7 @@ pub enum Optimizer {
     EmpiricalBayes,
 }
 
-/// Everything an evolution is told.
+/// The settings of an evolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EvolutionSettings {
     /// Where individuals are tried, 1..=[`MAX_ENVIRONMENTS`] of different names.

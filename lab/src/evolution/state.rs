@@ -1,7 +1,7 @@
 //! How far an evolution has got, as it is stored.
 
+use super::failure::Failure;
 use super::genome::Genome;
-use super::hopeless::Hopeless;
 use super::report::Report;
 use super::search::Search;
 use super::settings::EvolutionSettings;
@@ -45,8 +45,8 @@ pub struct State {
     /// Episodes of the reference and the generations in which the robot arrived; none where an older program began it.
     #[serde(default)]
     pub(super) arrivals: Option<u64>,
-    #[serde(default)]
-    pub(super) hopeless: Option<Hopeless>,
+    #[serde(default, rename = "hopeless")]
+    pub(super) failure: Option<Failure>,
 }
 
 impl State {
@@ -63,7 +63,7 @@ impl State {
             report: None,
             episodes: 0,
             arrivals: Some(0),
-            hopeless: None,
+            failure: None,
         }
     }
 }

@@ -1,7 +1,9 @@
-//! The whole of an evolution: what it says, and that nobody can tell how it was run.
+//! The whole of an evolution: what it says, and that its result does not show how it was run.
 
 use super::*;
+use proptest::prelude::*;
 use std::collections::BTreeSet;
+use umwelt_core::conjugate::SampleStatistics;
 use umwelt_core::geometry::Point;
 use umwelt_core::task::Task;
 
@@ -30,10 +32,10 @@ fn stored(evolution: &Evolution) -> Evolution {
 fn run(mut evolution: Evolution, is_stored: bool) -> (Evolution, Vec<Generation>) {
     let mut generations = Vec::new();
     while evolution.report().is_none() {
-        let mut evaluations: Vec<_> = evolution.jobs().iter().map(|it| (*it, None)).collect();
+        let mut evaluations: Vec<_> = evolution.batch().iter().map(|it| (*it, None)).collect();
         // In an order that no single thread would take.
-        for (job, evaluation) in evaluations.iter_mut().rev() {
-            *evaluation = Some(evolution.evaluate(job));
+        for (episode, evaluation) in evaluations.iter_mut().rev() {
+            *evaluation = Some(Evolution::evaluate(evolution.settings(), episode));
         }
         let evaluations: Vec<_> = evaluations.into_iter().filter_map(|(_, it)| it).collect();
         generations.extend(evolution.tell(&evaluations).unwrap());
@@ -51,25 +53,27 @@ fn resumed_after_every_step_is_the_same_as_uninterrupted_bit_for_bit() {
         let (uninterrupted, generations) = run(evolution.clone(), false);
         assert_eq!(run(evolution, true), (uninterrupted.clone(), generations), "{optimizer:?}");
         assert_eq!(uninterrupted.episodes(), uninterrupted.total_episodes(), "{optimizer:?}");
-        assert!(uninterrupted.jobs().is_empty());
+        assert!(uninterrupted.batch().is_empty());
     }
 }
 
-/// Four threads that take jobs as they come, against one.
+/// Four threads that take episodes as they come, against one.
 #[test]
 fn the_champion_is_the_same_whatever_the_number_of_threads() {
     let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
     let alone = run(evolution.clone(), false).0;
     while evolution.report().is_none() {
-        let jobs = evolution.jobs();
-        let shares: Vec<Vec<(usize, Job)>> =
-            (0..4).map(|i| jobs.iter().copied().enumerate().skip(i).step_by(4).collect()).collect();
-        let mut evaluations = vec![Evaluation::default(); jobs.len()];
+        let batch = evolution.batch();
+        let shares: Vec<Vec<(usize, Episode)>> = (0..4)
+            .map(|i| batch.iter().copied().enumerate().skip(i).step_by(4).collect())
+            .collect();
+        let mut evaluations = vec![Evaluation::default(); batch.len()];
         std::thread::scope(|scope| {
-            let evaluate = |share: Vec<(usize, Job)>| {
-                let evolution = &evolution;
+            let evaluate = |share: Vec<(usize, Episode)>| {
+                let settings = evolution.settings();
                 scope.spawn(move || {
-                    let each = share.into_iter().map(|(at, job)| (at, evolution.evaluate(&job)));
+                    let each =
+                        share.into_iter().map(|(at, it)| (at, Evolution::evaluate(settings, &it)));
                     each.collect::<Vec<_>>()
                 })
             };
@@ -91,22 +95,23 @@ fn another_seed_is_another_evolution() {
     assert_ne!(one.report(), other.report());
 }
 
-/// The bug to fear: a champion reported on the seeds that made it champion, or individuals compared on different ones.
+/// Guards against a champion reported on the seeds that made it champion, or individuals compared on different ones.
 #[test]
 fn seeds_are_common_within_a_generation_and_fresh_for_everything_else() {
     let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
     let mut seen = BTreeSet::new();
     let mut stages = Vec::new();
     while evolution.report().is_none() {
-        let jobs = evolution.jobs();
+        let batch = evolution.batch();
         let mut seeds: Vec<BTreeSet<u64>> = Vec::new();
-        for subject in jobs.chunk_by(|one, other| one.subject == other.subject) {
-            seeds.push(subject.iter().map(|job| job.seed).collect());
+        for subject in batch.chunk_by(|one, other| one.subject == other.subject) {
+            seeds.push(subject.iter().map(|it| it.seed).collect());
         }
         assert!(seeds.windows(2).all(|pair| pair[0] == pair[1]), "{:?}", evolution.stage());
         assert!(seeds[0].iter().all(|seed| seen.insert(*seed)), "{:?}", evolution.stage());
         stages.push(evolution.stage());
-        let evaluations: Vec<_> = jobs.iter().map(|job| evolution.evaluate(job)).collect();
+        let evaluations: Vec<_> =
+            batch.iter().map(|it| Evolution::evaluate(evolution.settings(), it)).collect();
         evolution.tell(&evaluations).unwrap();
     }
     let generations = (0..3).map(|generation| Stage::Generations { generation });
@@ -166,7 +171,7 @@ fn where_fixed_normal_has_no_fitness_the_limit_is_the_unit() {
 }
 
 #[test]
-fn evaluations_of_other_jobs_are_refused_and_change_nothing() {
+fn evaluations_of_another_batch_are_refused_and_change_nothing() {
     let mut evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
     let before = evolution.clone();
     let refused = evolution.tell(&[Evaluation::default(); 3]);
@@ -182,13 +187,13 @@ fn the_champion_is_the_best_of_the_candidates_on_fresh_seeds() {
         |time: f64| Evaluation { arrived: true, time, deviation: 0.01, ..Default::default() };
     evolution.tell(&vec![evaluation(10.0); 400]).unwrap();
     for _ in 0..3 {
-        let jobs = evolution.jobs();
-        evolution.tell(&vec![evaluation(10.0); jobs.len()]).unwrap();
+        let batch = evolution.batch();
+        evolution.tell(&vec![evaluation(10.0); batch.len()]).unwrap();
     }
     assert_eq!(evolution.stage(), Stage::Selection);
-    let (jobs, favourite) = (evolution.jobs(), evolution.state.candidates[1].clone());
+    let (batch, favourite) = (evolution.batch(), evolution.state.candidates[1].clone());
     let evaluations: Vec<_> =
-        jobs.iter().map(|job| evaluation(if job.subject == 1 { 9.0 } else { 10.0 })).collect();
+        batch.iter().map(|it| evaluation(if it.subject == 1 { 9.0 } else { 10.0 })).collect();
     evolution.tell(&evaluations).unwrap();
     assert_eq!(evolution.state.champion, Some(favourite));
 }
@@ -202,9 +207,10 @@ fn the_thesis_prior_halves_the_deviation_on_the_bad_link() {
         let mut evolution = evolution.clone();
         evolution.state.stage = Stage::Selection;
         evolution.state.candidates = vec![genome::of_prior(&prior, false)];
-        let jobs = evolution.jobs();
-        let bad = jobs.iter().filter(|job| job.environment == 1).take(60);
-        let evaluations: Vec<_> = bad.map(|job| evolution.evaluate(job)).collect();
+        let batch = evolution.batch();
+        let bad = batch.iter().filter(|it| it.environment == 1).take(60);
+        let evaluations: Vec<_> =
+            bad.map(|it| Evolution::evaluate(evolution.settings(), it)).collect();
         assert!(evaluations.iter().all(|it| it.arrived && it.time <= 60.0));
         evaluations.iter().map(|it| it.deviation).sum::<f64>() / 60.0
     };
@@ -218,25 +224,25 @@ fn made_up(
     evaluation: impl Fn(Stage) -> Evaluation,
 ) -> (Evolution, usize) {
     let mut generations = 0;
-    while evolution.report().is_none() && evolution.hopeless().is_none() {
-        let evaluations = vec![evaluation(evolution.stage()); evolution.jobs().len()];
+    while evolution.report().is_none() && evolution.failure().is_none() {
+        let evaluations = vec![evaluation(evolution.stage()); evolution.batch().len()];
         generations += usize::from(evolution.tell(&evaluations).unwrap().is_some());
         evolution = stored(&evolution);
     }
     (evolution, generations)
 }
 
-/// The bug to fear: a prior that was drawn at random, offered as what an evolution has found.
+/// Guards against a prior that was drawn at random, offered as what an evolution has found.
 #[test]
-fn where_nobody_arrives_there_is_no_report_but_a_reason() {
+fn where_no_robot_arrives_there_is_no_report_but_a_reason() {
     for optimizer in [Optimizer::Genetic, Optimizer::CmaEs, Optimizer::EmpiricalBayes] {
-        for (generations, enough) in [(2, 2), (9, HOPELESS_GENERATIONS)] {
+        for (generations, enough) in [(2, 2), (9, GENERATIONS_WITHOUT_ARRIVAL)] {
             let settings = EvolutionSettings { generations, ..small(optimizer) };
             let evolution = Evolution::new(settings).unwrap();
             let (evolution, driven) = made_up(evolution, |_| Evaluation::default());
             assert_eq!(driven, enough, "{optimizer:?}");
-            assert_eq!((evolution.report(), evolution.jobs()), (None, Vec::new()));
-            let reason = evolution.hopeless().unwrap().to_string();
+            assert_eq!((evolution.report(), evolution.batch()), (None, Vec::new()));
+            let reason = evolution.failure().unwrap().to_string();
             assert!(reason.starts_with("nobody arrives in normal, bad-link: "), "{reason}");
             assert!(reason.contains(&format!("none of {} episodes", evolution.episodes())));
         }
@@ -249,15 +255,15 @@ fn a_champion_without_fitness_is_no_champion() {
     let arrives = Evaluation { arrived: true, time: 10.0, deviation: 0.01, ..Default::default() };
     let evolution = Evolution::new(small(Optimizer::Genetic)).unwrap();
     let (done, generations) = made_up(evolution.clone(), |_| arrives);
-    assert!(done.report().is_some() && done.hopeless().is_none() && generations == 3);
+    assert!(done.report().is_some() && done.failure().is_none() && generations == 3);
     let too_late = Evaluation { time: 1e3, deviation: 1.0, ..arrives };
     for (last, arrived) in [(too_late, 1.0), (Evaluation::default(), 0.0)] {
         let of_stage = |stage| if stage == Stage::Report { last } else { arrives };
         let (failed, generations) = made_up(evolution.clone(), of_stage);
         assert_eq!((failed.report(), generations), (None, 3));
         let environments = "normal, bad-link".to_owned();
-        let reason = Hopeless::ChampionFails { environments, trials: 8, arrived };
-        assert_eq!(failed.hopeless(), Some(&reason));
+        let reason = Failure::ChampionFails { environments, trials: 8, arrived };
+        assert_eq!(failed.failure(), Some(&reason));
     }
 }
 
@@ -271,8 +277,52 @@ fn a_state_that_does_not_count_arrivals_is_not_given_up() {
     let settings = evolution.settings().clone();
     evolution = Evolution::resume(settings, serde_json::from_value(old).unwrap()).unwrap();
     while evolution.stage() != Stage::Selection {
-        let evaluations = vec![Evaluation::default(); evolution.jobs().len()];
+        let evaluations = vec![Evaluation::default(); evolution.batch().len()];
         evolution.tell(&evaluations).unwrap();
-        assert_eq!(evolution.hopeless(), None);
+        assert_eq!(evolution.failure(), None);
+    }
+}
+
+/// Guards against an episode that a worker in another process drives otherwise, or whose numbers come back rounded.
+#[test]
+fn episodes_and_evaluations_pass_as_json_bit_for_bit() {
+    for optimizer in [Optimizer::Genetic, Optimizer::CmaEs, Optimizer::EmpiricalBayes] {
+        let mut evolution = Evolution::new(small(optimizer)).unwrap();
+        while evolution.report().is_none() {
+            let (batch, settings) = (evolution.batch(), evolution.settings());
+            let evaluations: Vec<_> =
+                batch.iter().map(|it| Evolution::evaluate(settings, it)).collect();
+            assert_eq!(sent(&batch), batch);
+            assert_eq!(sent(&evaluations), evaluations);
+            let last = batch.len() - 1;
+            assert_eq!(Evolution::evaluate(settings, &sent(&batch[last])), evaluations[last]);
+            evolution.tell(&evaluations).unwrap();
+        }
+    }
+}
+
+/// What comes back of `value` as JSON, the same text again.
+fn sent<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
+    let text = serde_json::to_string(value).unwrap();
+    let read: T = serde_json::from_str(&text).unwrap();
+    assert_eq!(serde_json::to_string(&read).unwrap(), text);
+    read
+}
+
+proptest! {
+    #[test]
+    fn any_evaluation_passes_as_json_bit_for_bit(
+        arrived: bool,
+        numbers in proptest::array::uniform5(proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL),
+        samples: u64,
+    ) {
+        let [time, deviation, weight, mean, squares] = numbers;
+        let statistics = SampleStatistics { samples, weight, mean, squares };
+        let evaluation = Evaluation { arrived, time, deviation, samples: [statistics; 4] };
+        let bits = |it: &Evaluation| {
+            let SampleStatistics { weight, mean, squares, .. } = it.samples[3];
+            [it.time, it.deviation, weight, mean, squares].map(f64::to_bits)
+        };
+        prop_assert_eq!(bits(&sent(&evaluation)), bits(&evaluation));
     }
 }

@@ -1,10 +1,10 @@
 //! An evolution as work: a generation is a batch.
 
 use super::{
-    Evaluation, Evolution, EvolutionSettings, Generation, Job, Report, STATE_VERSION, Spread,
+    Episode, Evaluation, Evolution, EvolutionSettings, Generation, Report, STATE_VERSION, Spread,
     Stage, State,
 };
-use crate::work::{Told, Work};
+use crate::work::{BatchOutcome, Work};
 
 impl Work for Evolution {
     const STATE_VERSION: u32 = STATE_VERSION;
@@ -15,7 +15,7 @@ impl Work for Evolution {
     type Latest = Spread;
     type Part = Generation;
     type Report = Report;
-    type Episode = Job;
+    type Episode = Episode;
     type Evaluation = Evaluation;
 
     fn new(settings: EvolutionSettings) -> Result<Self, String> {
@@ -24,6 +24,10 @@ impl Work for Evolution {
 
     fn resume(settings: EvolutionSettings, state: State) -> Result<Self, String> {
         Evolution::resume(settings, state).map_err(|error| error.to_string())
+    }
+
+    fn settings(&self) -> &EvolutionSettings {
+        self.settings()
     }
 
     fn state(&self) -> &State {
@@ -46,22 +50,22 @@ impl Work for Evolution {
         self.report()
     }
 
-    fn hopeless(&self) -> Option<String> {
-        self.hopeless().map(ToString::to_string)
+    fn failure(&self) -> Option<String> {
+        self.failure().map(ToString::to_string)
     }
 
-    fn batch(&self) -> Vec<Job> {
-        self.jobs()
+    fn batch(&self) -> Vec<Episode> {
+        self.batch()
     }
 
-    fn evaluate(&self, job: &Job) -> Evaluation {
-        self.evaluate(job)
+    fn evaluate(settings: &EvolutionSettings, episode: &Episode) -> Evaluation {
+        Self::evaluate(settings, episode)
     }
 
-    fn tell(&mut self, evaluations: &[Evaluation]) -> Result<Told<Self>, String> {
+    fn tell(&mut self, evaluations: &[Evaluation]) -> Result<BatchOutcome<Self>, String> {
         let generation = self.tell(evaluations).map_err(|error| error.to_string())?;
         let latest = generation.as_ref().map(|generation| generation.fitness);
         let parts = generation.into_iter().map(|it| (it.index, it)).collect();
-        Ok(Told { parts, latest })
+        Ok(BatchOutcome { parts, latest })
     }
 }

@@ -14,7 +14,7 @@ pub enum Error {
     BrokenOff(String),
     /// It gives no result, and why.
     #[error("it has failed: {0}")]
-    Hopeless(String),
+    Failed(String),
     /// Its result could not be written.
     #[error("{what}: {error}")]
     Unwritten {

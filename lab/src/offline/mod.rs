@@ -14,7 +14,8 @@ pub use compare::compare;
 pub use error::Error;
 pub use evolve::evolve;
 
-use crate::pool::{Meter, Pool, Priority};
+use crate::evaluator::Meter;
+use crate::pool::{Pool, Priority};
 use crate::work::Work;
 use progress::Progress;
 use serde::Serialize;
@@ -63,13 +64,13 @@ fn run<W: Work, R>(
     progress.follow(&meter, || -> Result<(), Error> {
         let mut latest = None;
         while work.report().is_none() {
-            if let Some(reason) = work.hopeless() {
-                return Err(Error::Hopeless(reason));
+            if let Some(reason) = work.failure() {
+                return Err(Error::Failed(reason));
             }
-            let told = pool.step(&mut work, &meter);
-            let told = told.map_err(|halt| Error::BrokenOff(halt.to_string()))?;
-            parts.extend(told.parts.into_iter().map(|(_, part)| part));
-            latest = told.latest.or(latest);
+            let outcome = pool.step("offline", &mut work, &pool, &meter);
+            let outcome = outcome.map_err(|halt| Error::BrokenOff(halt.to_string()))?;
+            parts.extend(outcome.parts.into_iter().map(|(_, part)| part));
+            latest = outcome.latest.or(latest);
             progress.say(stage(&work, latest.as_ref()), work.total_episodes());
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! How far a job has got, on standard error: a bar on a terminal, a line now and then elsewhere.
 
-use crate::pool::{Meter, remaining};
+use crate::evaluator::Meter;
+use crate::pool::remaining;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -80,7 +81,7 @@ impl Progress {
         let elapsed = self.begin.elapsed().as_secs_f64();
         let left = remaining(elapsed, episodes, total);
         let left = left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
-        // Nobody may read it; the job goes on.
+        // It may not be read; the job goes on.
         let _ = writeln!(
             std::io::stderr(),
             "{stage}; {episodes} of {total} episodes in {elapsed:.0} s{left}"

@@ -1,7 +1,9 @@
-//! Comparisons: what a request means, and what came of it.
+//! Comparisons: what a request means, and how results are shown.
 
+use super::pace::Pace;
+use super::verdict::judged;
 use crate::comparison::{
-    self as lab, BASELINE, CHAMPION, Comparison, ComparisonSettings, Contender, PROMISED_DEVIATION,
+    self as lab, BASELINE, CHAMPION, ComparisonSettings, Contender, PROMISED_DEVIATION,
     PROMISED_TIME, method_names,
 };
 use crate::evolution;
@@ -28,7 +30,7 @@ pub fn read(
 /// What is to be run for `request`, all filled in.
 ///
 /// # Errors
-/// Every value out of its range, every method and prior that nobody knows, and what contradicts the rest.
+/// Every value out of its range, every unknown method and prior, and what contradicts the rest.
 pub fn settings(
     request: &Request,
     known: impl Fn(&str) -> Known<Prior>,
@@ -75,7 +77,7 @@ fn resolve(
     settings
 }
 
-/// Those of `all` that are asked for, in the order of `all`; none where nobody knows one of them.
+/// Those of `all` that are asked for, in the order of `all`; none where one of them is unknown.
 fn contenders(request: &Request, all: &[Contender], check: &mut Check) -> Option<Vec<Contender>> {
     let Some(methods) = &request.methods else { return Some(all.to_vec()) };
     let mut asked = vec![false; all.len()];
@@ -150,28 +152,22 @@ pub fn spec(settings: &ComparisonSettings, prior: &str) -> Spec {
     }
 }
 
-/// How far a comparison has got that waits for its turn and has not begun.
-pub fn queued(comparison: &Comparison) -> Progress {
-    Progress { stage: Stage::Queued, ..progress(comparison, 0.0, None) }
-}
-
-/// How far a comparison has got after `elapsed_s` and with `remaining_s` to go.
-pub fn progress(comparison: &Comparison, elapsed_s: f64, remaining_s: Option<f64>) -> Progress {
-    let trials = comparison.settings().trials as u64;
-    let (stage, trials_done) = match comparison.stage() {
-        lab::Stage::Reference => (Stage::Reference, 0),
-        lab::Stage::Trials { done } => (Stage::Trials, done as u64),
-        lab::Stage::Done => (Stage::Done, trials),
+/// How far a comparison has got that is in this stage; without a stage it has not begun.
+pub fn progress(
+    settings: &ComparisonSettings,
+    reached: Option<lab::Stage>,
+    pace: Pace,
+) -> Progress {
+    let trials = settings.trials as u64;
+    let (stage, trials_done) = match reached {
+        None => (Stage::Queued, 0),
+        Some(lab::Stage::Reference) => (Stage::Reference, 0),
+        Some(lab::Stage::Trials { done }) => (Stage::Trials, done as u64),
+        Some(lab::Stage::Done) => (Stage::Done, trials),
     };
-    Progress {
-        stage,
-        trials_done,
-        trials,
-        episodes: comparison.episodes(),
-        total_episodes: comparison.total_episodes(),
-        elapsed_s,
-        remaining_s: remaining_s.filter(|it| it.is_finite()),
-    }
+    let Pace { episodes, total_episodes, elapsed_s, remaining_s } = pace;
+    let remaining_s = remaining_s.filter(|it| it.is_finite());
+    Progress { stage, trials_done, trials, episodes, total_episodes, elapsed_s, remaining_s }
 }
 
 type Estimated = lab::Quantities<evolution::Estimate>;
@@ -234,7 +230,7 @@ fn claim(lab: &lab::Claim, report: &lab::Report) -> Claim {
     let here = report.environments.iter().find(|it| it.environment == lab.environment);
     let arrived = |label: &str| {
         let mut entries = here.iter().flat_map(|here| &here.entries);
-        // Whoever is claimed for has driven there.
+        // The contender of a claim has driven there.
         entries.find(|it| it.contender == label).map_or(0.0, |it| it.arrived.mean)
     };
     let claim = Claim {
@@ -249,8 +245,9 @@ fn claim(lab: &lab::Claim, report: &lab::Report) -> Claim {
         promised_deviation: PROMISED_DEVIATION,
         promised_time: PROMISED_TIME,
         verdict: String::new(),
+        findings: Vec::new(),
     };
-    Claim { verdict: claim.in_words(), ..claim }
+    judged(claim)
 }
 
 impl From<&lab::Report> for Report {

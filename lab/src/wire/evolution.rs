@@ -1,7 +1,9 @@
-//! Evolutions: what a request and its preset mean, and what came of it.
+//! Evolutions: what a request and its preset mean, and how results are shown.
 
+use super::pace::Pace;
+use super::verdict::{champion, entry};
 use crate::evolution::{
-    self as lab, Evolution, EvolutionSettings, FitnessLimits, GeneticSettings, TrainingEnvironment,
+    self as lab, EvolutionSettings, FitnessLimits, GeneticSettings, TrainingEnvironment,
 };
 use umwelt_api::evolution::{
     Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment, MAX_BATCH,
@@ -26,7 +28,7 @@ pub fn read(
 /// What is to be run for `request`, all filled in.
 ///
 /// # Errors
-/// Every value out of its range, every environment that nobody knows, and what contradicts the rest.
+/// Every value out of its range, every unknown environment, and what contradicts the rest.
 pub fn settings(
     request: &Request,
     known: impl Fn(&str) -> Known<TrainingEnvironment>,
@@ -183,39 +185,36 @@ pub fn spec(settings: &EvolutionSettings, prior: Option<&str>) -> Spec {
     }
 }
 
-/// The stage of the wire, and how many generations of `generations` have ended in it.
-pub fn stage(reached: lab::Stage, generations: u64) -> (Stage, u64) {
+/// The stage of the wire, and how many generations have ended in it; without a stage it has not begun.
+pub fn stage(settings: &EvolutionSettings, reached: Option<lab::Stage>) -> (Stage, u64) {
+    let all = settings.generations as u64;
     match reached {
-        lab::Stage::Reference => (Stage::Reference, 0),
-        lab::Stage::Generations { generation } => (Stage::Generations, generation as u64),
-        lab::Stage::Selection => (Stage::Selection, generations),
-        lab::Stage::Report => (Stage::Report, generations),
-        lab::Stage::Done => (Stage::Done, generations),
+        None => (Stage::Queued, 0),
+        Some(lab::Stage::Reference) => (Stage::Reference, 0),
+        Some(lab::Stage::Generations { generation }) => (Stage::Generations, generation as u64),
+        Some(lab::Stage::Selection) => (Stage::Selection, all),
+        Some(lab::Stage::Report) => (Stage::Report, all),
+        Some(lab::Stage::Done) => (Stage::Done, all),
     }
 }
 
-/// How far an evolution has got that waits for its turn and has not begun.
-pub fn queued(evolution: &Evolution) -> Progress {
-    Progress { stage: Stage::Queued, ..progress(evolution, None, 0.0, None) }
-}
-
-/// How far an evolution has got whose last generation had this fitness, after `elapsed_s` and with `remaining_s` to go.
+/// How far an evolution has got that is in this stage, and whose last generation had this fitness.
 pub fn progress(
-    evolution: &Evolution,
+    settings: &EvolutionSettings,
+    reached: Option<lab::Stage>,
     fitness: Option<lab::Spread>,
-    elapsed_s: f64,
-    remaining_s: Option<f64>,
+    pace: Pace,
 ) -> Progress {
-    let generations = evolution.settings().generations as u64;
-    let (stage, generation) = stage(evolution.stage(), generations);
+    let (stage, generation) = stage(settings, reached);
+    let Pace { episodes, total_episodes, elapsed_s, remaining_s } = pace;
     Progress {
         stage,
         generation,
-        generations,
+        generations: settings.generations as u64,
         best_fitness: fitness.map(|it| it.best).filter(|it| it.is_finite()),
         mean_fitness: fitness.map(|it| it.mean).filter(|it| it.is_finite()),
-        episodes: evolution.episodes(),
-        total_episodes: evolution.total_episodes(),
+        episodes,
+        total_episodes,
         elapsed_s,
         remaining_s: remaining_s.filter(|it| it.is_finite()),
     }
@@ -256,7 +255,7 @@ impl From<&lab::Entry> for Entry {
             deviation_m: it.deviation,
             arrived: it.arrived,
         });
-        Self::new(
+        entry(
             lab.name.clone(),
             lab.prior.into(),
             lab.fitness.into(),
@@ -269,6 +268,6 @@ impl From<&lab::Entry> for Entry {
 impl From<&lab::Report> for Champion {
     fn from(lab: &lab::Report) -> Self {
         let entries = lab.entries.iter().map(Entry::from).collect();
-        Self::new(lab.champion.into(), lab.trials as u64, entries)
+        champion(lab.champion.into(), lab.trials as u64, entries)
     }
 }

@@ -21,6 +21,19 @@ use serde_json::{Map, Value};
 use std::borrow::Cow;
 use tree::Node;
 use typed::{Reader, Shapes};
+use utoipa::ToSchema;
+
+/// The body of a request.
+pub trait Body: Validate + Serialize + DeserializeOwned + ToSchema {
+    /// Most bytes of one.
+    const MAX_BYTES: usize;
+
+    /// Reads one.
+    ///
+    /// # Errors
+    /// Every problem of it.
+    fn read(json: &[u8]) -> Result<Checked<Self>, Problems>;
+}
 
 /// Reads a type that is no part of the contract, in the same words: a line of a robot's own program, say.
 ///

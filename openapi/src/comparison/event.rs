@@ -1,11 +1,11 @@
 //! What happens to a comparison, as server-sent events.
 //!
-//! The `id:` of an event is the number of trials that every contender has driven: [`Event::id`]. It survives a restart
+//! The `id:` of an event is the number of trials that every contender has driven: [`JobEvent::id`]. It survives a restart
 //! of the server. Only the newest state counts: a stream says the state as it is now, whatever `Last-Event-ID`, then
 //! each change of it, and ends with the state in which the comparison ended.
 
-use super::{Progress, State};
-use crate::id::ComparisonId;
+use super::{ComparisonKind, Progress, State};
+use crate::job::{JobEvent, JobNews};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -17,17 +17,7 @@ use utoipa::ToSchema;
 /// assert_eq!(serde_json::from_str::<Event>(later)?.kind, Kind::Other);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = ComparisonEvent)]
-pub struct Event {
-    /// Trials that every contender has driven: never decreasing, the same after a restart.
-    pub id: u64,
-    /// The comparison.
-    pub comparison: ComparisonId,
-    /// What happened.
-    #[serde(flatten)]
-    pub kind: Kind,
-}
+pub type Event = JobEvent<ComparisonKind>;
 
 /// What happened to a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -48,24 +38,22 @@ pub enum Kind {
     Other,
 }
 
-impl Kind {
-    /// The value of `type`, and of `event:` in the stream.
-    pub fn name(&self) -> &'static str {
+impl JobNews<Progress> for Kind {
+    fn of_state(state: State, progress: Progress, error: Option<String>) -> Self {
+        Self::State { state, progress, error }
+    }
+
+    fn state(&self) -> Option<(State, &Progress)> {
+        match self {
+            Self::State { state, progress, .. } => Some((*state, progress)),
+            _ => None,
+        }
+    }
+
+    fn name(&self) -> &'static str {
         match self {
             Self::State { .. } => "state",
             Self::Other => "other",
         }
-    }
-}
-
-impl Event {
-    /// The event that the comparison stands here now.
-    pub fn state(
-        comparison: ComparisonId,
-        state: State,
-        progress: Progress,
-        error: Option<String>,
-    ) -> Self {
-        Self { id: progress.trials_done, comparison, kind: Kind::State { state, progress, error } }
     }
 }

@@ -2,25 +2,24 @@
 
 mod claim;
 mod event;
-mod page;
 mod progress;
+mod quantities;
 mod report;
 mod request;
 mod spec;
 
 pub use crate::estimate::Estimate;
 pub use crate::job::{PageQuery, State};
-pub use claim::Claim;
+pub use claim::{Claim, Finding, FindingResult, FindingSubject};
 pub use event::{Event, Kind};
-pub use page::Page;
 pub use progress::{Progress, Stage};
-pub use report::{
-    Difference, Entry, EnvironmentReport, Quantities, Recognition, Reductions, Report,
-};
+pub use quantities::{Quantities, Reductions};
+pub use report::{Difference, Entry, EnvironmentReport, Recognition, Report};
 pub use request::Request;
 pub use spec::{DEFAULT_PRIOR, KNOWN_METHODS, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
 
 use crate::id::ComparisonId;
+use crate::job::{Job, JobDescription, JobKind, JobPage};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -47,26 +46,52 @@ pub const TRIALS_COLUMNS: [&str; 9] = [
 /// The media type of the report for people.
 pub const REPORT_MEDIA_TYPE: &str = "text/markdown";
 
+/// Comparisons among the jobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ComparisonKind;
+
 /// A comparison as it is now.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = Comparison)]
-pub struct Comparison {
-    /// Its id, given by the server.
-    pub comparison: ComparisonId,
-    /// Where it stands.
-    pub state: State,
-    /// What was asked for, all filled in.
-    pub spec: Spec,
-    /// How far it has got.
-    pub progress: Progress,
-    /// How often it went on after a restart of the server.
-    pub interrupted: u64,
-    /// When it was submitted, in seconds since 1970 by the server's clock.
-    pub created_unix_s: u64,
-    /// Why it failed, or what keeps it from going on; null where nothing does.
-    pub error: Option<String>,
+pub type Comparison = Job<ComparisonKind>;
+
+/// Some of the comparisons, the newest first, each without its report.
+pub type Page = JobPage<ComparisonKind>;
+
+/// What a comparison ends with.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Outcome {
     /// What came of it; null until it has succeeded, and in lists: it may have a hundred kilobytes.
     pub report: Option<Report>,
+}
+
+impl JobKind for ComparisonKind {
+    const NAME: &'static str = "comparison";
+    const LIST: &'static str = "comparisons";
+    const DESCRIPTION: JobDescription = JobDescription {
+        job: "Comparison",
+        page: "ComparisonPage",
+        event: "ComparisonEvent",
+        one: "a comparison",
+        listed: "The comparisons, each without its report.",
+        event_id: "Trials that every contender has driven: never decreasing, the same after a restart.",
+    };
+    type Id = ComparisonId;
+    type Request = Request;
+    type Spec = Spec;
+    type Progress = Progress;
+    type Outcome = Outcome;
+    type News = Kind;
+
+    fn id(number: u64) -> ComparisonId {
+        ComparisonId::numbered(number)
+    }
+
+    fn event_id(progress: &Progress) -> u64 {
+        progress.trials_done
+    }
+
+    fn episodes(progress: &Progress) -> (u64, u64) {
+        (progress.episodes, progress.total_episodes)
+    }
 }
 
 /// A figure of a comparison (thesis figures 8 to 11).

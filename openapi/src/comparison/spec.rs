@@ -1,4 +1,4 @@
-//! What a comparison is told, all filled in, and the limits of it.
+//! What is asked of a comparison, all filled in, and the limits of it.
 
 use crate::number;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 pub const METHODS: RangeInclusive<usize> = 1..=64;
 /// Trials of a contender in an environment; one alone has no interval.
 pub const TRIALS: RangeInclusive<u64> = 2..=10_000;
-/// Most episodes of one comparison (contenders x environments x trials): what comes of each is held in memory.
+/// Most episodes of one comparison (contenders x environments x trials): the evaluation of each is held in memory.
 pub const MAX_EPISODES: u64 = 200_000;
 
 /// Every method, and each with its numbers of slots, in the order of the alphabet.

@@ -1,22 +1,9 @@
-//! What a request brings.
+//! The bodies of the contract.
 
-use super::wire::Wired;
-use crate::check::Validate;
+use crate::body::Body;
 use crate::checked::Checked;
 use crate::problem::Problems;
 use crate::{comparison, evolution, prior, robot, step, task, training};
-
-/// The body of a request.
-pub trait Body: Validate + Wired {
-    /// Most bytes of one.
-    const MAX_BYTES: usize;
-
-    /// Reads one.
-    ///
-    /// # Errors
-    /// Every problem of it.
-    fn read(json: &[u8]) -> Result<Checked<Self>, Problems>;
-}
 
 macro_rules! bodies {
     ($($module:ident::$type:ident)*) => {$(

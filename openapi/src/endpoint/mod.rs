@@ -30,7 +30,6 @@ mod robots;
 mod server;
 mod wire;
 
-pub use body::Body;
 pub use jobs::*;
 pub use library::*;
 pub use operation::{Answer, BYTES, Method, Operation, Paged, Scope};
@@ -38,6 +37,7 @@ pub use robots::*;
 pub use server::*;
 pub use wire::{Schemas, Wire};
 
+use crate::body::Body;
 use std::marker::PhantomData;
 use utoipa::ToSchema;
 use wire::Wired;

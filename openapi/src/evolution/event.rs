@@ -1,12 +1,13 @@
 //! What happens to an evolution, as server-sent events.
 //!
-//! The `id:` of an event is the number of generations that have ended: [`Event::id`]. It survives a restart of the
+//! The `id:` of an event is the number of generations that have ended: [`JobEvent::id`]. It survives a restart of the
 //! server. A stream begins with the generations behind `Last-Event-ID` (all of them without it: they are kept, so
 //! nothing is missed), then says the state as it is now and goes on with what happens. A state never counts a
-//! generation that the stream has not told before. The stream ends with the state in which the evolution ended.
+//! generation that the stream has not sent before. The stream ends with the state in which the evolution ended.
 
-use super::{Generation, Progress, State};
+use super::{EvolutionKind, Generation, Progress, State};
 use crate::id::EvolutionId;
+use crate::job::{JobEvent, JobNews};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -18,17 +19,7 @@ use utoipa::ToSchema;
 /// assert_eq!(serde_json::from_str::<Event>(later)?.kind, Kind::Other);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = EvolutionEvent)]
-pub struct Event {
-    /// Generations that have ended: never decreasing, the same after a restart.
-    pub id: u64,
-    /// The evolution.
-    pub evolution: EvolutionId,
-    /// What happened.
-    #[serde(flatten)]
-    pub kind: Kind,
-}
+pub type Event = JobEvent<EvolutionKind>;
 
 /// What happened to an evolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -54,9 +45,19 @@ pub enum Kind {
     Other,
 }
 
-impl Kind {
-    /// The value of `type`, and of `event:` in the stream.
-    pub fn name(&self) -> &'static str {
+impl JobNews<Progress> for Kind {
+    fn of_state(state: State, progress: Progress, error: Option<String>) -> Self {
+        Self::State { state, progress, error }
+    }
+
+    fn state(&self) -> Option<(State, &Progress)> {
+        match self {
+            Self::State { state, progress, .. } => Some((*state, progress)),
+            _ => None,
+        }
+    }
+
+    fn name(&self) -> &'static str {
         match self {
             Self::Generation { .. } => "generation",
             Self::State { .. } => "state",
@@ -69,16 +70,6 @@ impl Event {
     /// The event that `generation` ended.
     pub fn generation(evolution: EvolutionId, generation: Generation) -> Self {
         let id = generation.index + 1;
-        Self { id, evolution, kind: Kind::Generation { generation: Box::new(generation) } }
-    }
-
-    /// The event that the evolution stands here now.
-    pub fn state(
-        evolution: EvolutionId,
-        state: State,
-        progress: Progress,
-        error: Option<String>,
-    ) -> Self {
-        Self { id: progress.generation, evolution, kind: Kind::State { state, progress, error } }
+        Self { id, job: evolution, kind: Kind::Generation { generation: Box::new(generation) } }
     }
 }

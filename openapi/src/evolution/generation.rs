@@ -1,4 +1,4 @@
-//! What came of a generation.
+//! A generation and its results.
 
 use crate::number;
 use crate::robot;

@@ -1,7 +1,7 @@
 //! Lists of evolutions and of generations.
 
-use super::{Evolution, Generation};
-use crate::page::Unreadable;
+use super::{EvolutionKind, Generation};
+use crate::job::JobPage;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -12,17 +12,7 @@ pub const MAX_GENERATIONS_SIZE: u64 = 1000;
 pub const DEFAULT_GENERATIONS_SIZE: u64 = 1000;
 
 /// Some of the evolutions, the newest first.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = EvolutionPage)]
-pub struct Page {
-    /// The evolutions.
-    pub evolutions: Vec<Evolution>,
-    /// Those that cannot be read, in the same part of the list; left out where there are none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub unreadable: Vec<Unreadable>,
-    /// Where the next page begins; null on the last one.
-    pub next_page_token: Option<String>,
-}
+pub type Page = JobPage<EvolutionKind>;
 
 /// Some of the generations of an evolution, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]

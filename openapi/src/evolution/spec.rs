@@ -1,4 +1,4 @@
-//! What an evolution is told, all filled in, and the limits of it.
+//! What is asked of an evolution, all filled in, and the limits of it.
 
 use crate::check::Range;
 use crate::number;
@@ -20,7 +20,7 @@ pub const SELECTION_TRIALS: RangeInclusive<u64> = 1..=500;
 pub const REPORT_TRIALS: RangeInclusive<u64> = 2..=1000;
 /// Most episodes of one evolution (population x generations x trials x environments): about a day of one core.
 pub const MAX_EPISODES: u64 = 20_000_000;
-/// Most episodes of one generation (population x trials x environments): what comes of each is held in memory.
+/// Most episodes of one generation (population x trials x environments): the evaluation of each is held in memory.
 pub const MAX_BATCH: u64 = 200_000;
 /// Each of the three probabilities.
 pub const PROBABILITY: Range = Range::new(0.0, 1.0, "");

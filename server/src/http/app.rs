@@ -9,6 +9,7 @@ use crate::jobs::Jobs;
 use crate::library::priors::Priors;
 use crate::library::training::Environments;
 use crate::store::{Keeper, Unreadables};
+use axum::extract::FromRef;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -39,4 +40,16 @@ pub(crate) struct App {
     pub(crate) deadlines: Deadlines,
     /// Set when event streams are to end, since they would outlast any shutdown.
     pub(crate) closing: Arc<watch::Sender<bool>>,
+}
+
+impl FromRef<App> for Jobs<Evolution> {
+    fn from_ref(app: &App) -> Self {
+        app.evolutions.clone()
+    }
+}
+
+impl FromRef<App> for Jobs<Comparison> {
+    fn from_ref(app: &App) -> Self {
+        app.comparisons.clone()
+    }
 }

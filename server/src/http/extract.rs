@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 use std::str::FromStr;
 use std::sync::Arc;
 use umwelt_api::problem::{Detail, Problems, Status, reason};
-use umwelt_api::{Checked, EnvironmentId, InvalidId, PriorId, RobotId, endpoint};
+use umwelt_api::{Checked, EnvironmentId, InvalidId, PriorId, RobotId, body};
 
 /// The `{robot}` of a path, valid but perhaps unknown.
 pub(crate) struct Id(pub(crate) RobotId);
@@ -81,7 +81,7 @@ impl FromRequestParts<App> for Known {
 /// The body of a request, read and checked.
 pub(crate) struct Body<B>(pub(crate) Checked<B>);
 
-impl<B: endpoint::Body + Send> FromRequest<App> for Body<B> {
+impl<B: body::Body + Send> FromRequest<App> for Body<B> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {
@@ -96,7 +96,7 @@ pub(crate) struct Json<B> {
     body: PhantomData<fn() -> B>,
 }
 
-impl<B: endpoint::Body> FromRequest<App> for Json<B> {
+impl<B: body::Body> FromRequest<App> for Json<B> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {

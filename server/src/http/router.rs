@@ -4,8 +4,7 @@ use crate::http::app::App;
 use crate::http::deadline;
 use crate::http::guard;
 use crate::http::routes::{
-    comparisons, control, environment, environments, events, evolutions, jobs, priors, robots,
-    server, tasks,
+    control, environment, environments, events, jobs, priors, robots, server, tasks,
 };
 use crate::resource::failure::{self, Failure};
 use axum::Router;
@@ -73,24 +72,24 @@ fn every_route() -> Routes {
         .at(endpoint::GET_TRAINING_ENVIRONMENT, environments::get)
         .at(endpoint::DELETE_TRAINING_ENVIRONMENT, environments::delete)
         // Evolutions: priors searched for in the background
-        .at(endpoint::SUBMIT_EVOLUTION, evolutions::submit)
+        .at(endpoint::SUBMIT_EVOLUTION, jobs::submit::<Evolution>)
         .at(endpoint::LIST_EVOLUTIONS, jobs::list::<Evolution>)
         .at(endpoint::GET_EVOLUTION, jobs::get::<Evolution>)
         .at(endpoint::DELETE_EVOLUTION, jobs::delete::<Evolution>)
         .at(endpoint::CANCEL_EVOLUTION, jobs::cancel::<Evolution>)
-        .at(endpoint::LIST_GENERATIONS, evolutions::generations)
+        .at(endpoint::LIST_GENERATIONS, jobs::evolution::generations)
         .at(endpoint::EVOLUTION_EVENTS, jobs::events::<Evolution>)
-        .at(endpoint::EVOLUTION_FIGURE, evolutions::figure)
+        .at(endpoint::EVOLUTION_FIGURE, jobs::evolution::figure)
         // Comparisons: methods on the same seeds, in the background
-        .at(endpoint::SUBMIT_COMPARISON, comparisons::submit)
+        .at(endpoint::SUBMIT_COMPARISON, jobs::submit::<Comparison>)
         .at(endpoint::LIST_COMPARISONS, jobs::list::<Comparison>)
         .at(endpoint::GET_COMPARISON, jobs::get::<Comparison>)
         .at(endpoint::DELETE_COMPARISON, jobs::delete::<Comparison>)
         .at(endpoint::CANCEL_COMPARISON, jobs::cancel::<Comparison>)
         .at(endpoint::COMPARISON_EVENTS, jobs::events::<Comparison>)
-        .at(endpoint::COMPARISON_FIGURE, comparisons::figure)
-        .at(endpoint::COMPARISON_TRIALS, comparisons::trials)
-        .at(endpoint::COMPARISON_REPORT, comparisons::report)
+        .at(endpoint::COMPARISON_FIGURE, jobs::comparison::figure)
+        .at(endpoint::COMPARISON_TRIALS, jobs::comparison::trials)
+        .at(endpoint::COMPARISON_REPORT, jobs::comparison::report)
         // The server itself
         .at(endpoint::HEALTH, server::health)
         .at(endpoint::READINESS, server::readiness)

@@ -3,17 +3,18 @@
 //! Invariants: nothing is shown as reached that is not kept; a store that fails delays a job and never ends it;
 //! whatever goes wrong in one, the next has its turn. When the server ends, what runs stays running in the store.
 
+use super::inner::{Inner, unwritable};
 use super::job::Job;
-use super::queue::{Inner, Start, unwritable};
 use super::record::{Checkpoint, Record, State, part_body};
-use super::work::{Gift, Work};
+use super::start::Start;
+use super::work::{SuccessEffect, Work};
 use crate::resource::failure::Failure;
 use crate::store::{Change, JobId};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::Instant;
-use umwelt_lab::pool::Halt;
-use umwelt_lab::work::Told;
+use umwelt_lab::evaluator::Halt;
+use umwelt_lab::work::BatchOutcome;
 
 /// First pause after the store has failed; each is twice the one before.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
@@ -33,7 +34,7 @@ pub(super) async fn run<W: Work>(inner: Arc<Inner<W>>) {
         let turn = Turn { inner: Arc::clone(&inner), job: Arc::clone(&job) };
         // In a task of its own: what panics ends its turn and nothing else.
         if let Err(error) = tokio::spawn(turn.take()).await {
-            tracing::error!(job = %job.id(), %error, "it broke off");
+            tracing::error!(job = %job.id(), kind = W::KIND.name(), %error, "job panicked");
             let turn = Turn { inner: Arc::clone(&inner), job };
             turn.end(Ending::Failed("the server made a mistake; its log says which".to_owned()))
                 .await;
@@ -69,7 +70,7 @@ enum Ending<W: Work> {
     Cancelled,
 }
 
-/// What came of a batch: what is to be kept of it.
+/// What is to be kept of a batch, or why it did not come to its end.
 type Stepped = Result<Result<Vec<Change>, serde_json::Error>, Halt>;
 
 /// What became of changes that were to be kept.
@@ -106,7 +107,8 @@ impl<W: Work> Turn<W> {
             Ok(stored) => stored,
             Err(error) => return Some(Ending::Failed(error.to_string())),
         };
-        tracing::info!(job = %self.job.id(), interrupted = record.interrupted, "it begins");
+        let (job, interrupted) = (self.job.id(), record.interrupted);
+        tracing::info!(%job, kind = W::KIND.name(), interrupted, "job started");
         let mut kept = self.keep(vec![Change::PutJob(stored)], record, None, true).await;
         loop {
             match kept {
@@ -115,12 +117,12 @@ impl<W: Work> Turn<W> {
                 Kept::Over => return None,
                 Kept::Refused(error) => return Some(Ending::Failed(error)),
             }
-            if let Some(reason) = checkpoint.work.hopeless() {
+            if let Some(reason) = checkpoint.work.failure() {
                 return Some(Ending::Failed(reason));
             }
-            let (stepped, told) = self.step(checkpoint, before, begin).await?;
+            let (stepped, outcome) = self.step(checkpoint, before, begin).await?;
             checkpoint = stepped;
-            let changes = match told {
+            let changes = match outcome {
                 Ok(Ok(changes)) => changes,
                 Ok(Err(error)) => {
                     return Some(Ending::Failed(unwritable(error).message().to_owned()));
@@ -146,18 +148,21 @@ impl<W: Work> Turn<W> {
         begin: Instant,
     ) -> Option<(Checkpoint<W>, Stepped)> {
         let (pool, job) = (Arc::clone(&self.inner.pool), Arc::clone(&self.job));
+        let evaluator = Arc::clone(&self.inner.evaluator);
         let step = move || {
-            let told = pool.step(&mut checkpoint.work, &job.meter).map(|told| {
+            let id = job.id().to_string();
+            let stepped = pool.step(&id, &mut checkpoint.work, &*evaluator, &job.meter);
+            let kept = stepped.map(|outcome| {
                 checkpoint.elapsed = before + begin.elapsed().as_secs_f64();
-                checkpoint.latest = told.latest.or(checkpoint.latest);
+                checkpoint.latest = outcome.latest.or(checkpoint.latest);
                 // A large state takes milliseconds to write down: at the priority of the pool.
-                pool.install(|| progress(job.id(), &checkpoint, &told))
+                pool.install(|| progress(job.id(), &checkpoint, &outcome))
             });
-            (checkpoint, told)
+            (checkpoint, kept)
         };
         match tokio::task::spawn_blocking(step).await {
             Ok(stepped) => Some(stepped),
-            // To whoever gives the turns.
+            // To the task that gives the turns.
             Err(error) if error.is_panic() => std::panic::resume_unwind(error.into_panic()),
             Err(_) => None,
         }
@@ -167,12 +172,12 @@ impl<W: Work> Turn<W> {
         Record { state, reached: checkpoint.reached(), ..(*self.job.shown().record).clone() }
     }
 
-    /// Makes the changes and shows `record` with the gift that goes with it; tries again for as long as the store fails.
+    /// Makes the changes and shows `record` with the effect that goes with it; tries again for as long as the store fails.
     async fn keep(
         &self,
         changes: Vec<Change>,
         mut record: Record<W>,
-        gift: Option<&Gift>,
+        effect: Option<&SuccessEffect>,
         is_cancellable: bool,
     ) -> Kept {
         let (inner, job, begin) = (&*self.inner, &*self.job, Instant::now());
@@ -189,8 +194,8 @@ impl<W: Work> Turn<W> {
                 }
                 match inner.keeper.commit(changes.clone()).await {
                     Ok(()) if record.state.has_ended() => {
-                        // First the gift: whoever sees the end may use it at once.
-                        gift.into_iter().for_each(|gift| (gift.show)());
+                        // First the effect: a client that sees the end may use it at once.
+                        effect.into_iter().for_each(|effect| (effect.publish)());
                         inner.show_ended(job, record);
                         return Kept::Done;
                     }
@@ -219,22 +224,22 @@ impl<W: Work> Turn<W> {
     async fn end(&self, ending: Ending<W>) {
         let mut ending = ending;
         loop {
-            let (record, gift) = self.ended(&ending);
+            let (record, effect) = self.ended(&ending);
             let (mut more, is_cancellable) = match &ending {
                 Ending::Succeeded { parts, .. } => (parts.clone(), true),
                 _ => (Vec::new(), false),
             };
-            more.extend(gift.as_ref().map(|gift| gift.change.clone()));
+            more.extend(effect.as_ref().map(|effect| effect.change.clone()));
             let kept = match self.inner.ending(&self.job, &record, more) {
                 Ok(changes) => {
-                    self.keep(changes, record.clone(), gift.as_ref(), is_cancellable).await
+                    self.keep(changes, record.clone(), effect.as_ref(), is_cancellable).await
                 }
                 Err(failure) => Kept::Refused(failure.message().to_owned()),
             };
             let id = self.job.id();
             ending = match (kept, ending) {
                 (Kept::Done, _) => {
-                    tracing::info!(job = %id, state = ?record.state, "it has ended");
+                    log_end::<W>(id, &record);
                     return;
                 }
                 (Kept::Over, _) => return,
@@ -242,7 +247,8 @@ impl<W: Work> Turn<W> {
                 (Kept::Refused(error), Ending::Succeeded { .. }) => Ending::Failed(error),
                 (Kept::Refused(error), _) => {
                     // It would stand in the way of the others for ever.
-                    tracing::error!(job = %id, error, "its end cannot be kept");
+                    let kind = W::KIND.name();
+                    tracing::error!(job = %id, kind, error, "cannot store job result");
                     self.inner.show_ended(&self.job, record);
                     return;
                 }
@@ -250,8 +256,8 @@ impl<W: Work> Turn<W> {
         }
     }
 
-    /// What is left of it, and what it gives.
-    fn ended(&self, ending: &Ending<W>) -> (Record<W>, Option<Gift>) {
+    /// What is left of it, and what its success changes.
+    fn ended(&self, ending: &Ending<W>) -> (Record<W>, Option<SuccessEffect>) {
         // Of the time, too, only what is kept: it goes with the last checkpoint.
         let record = || (*self.job.shown().record).clone();
         match ending {
@@ -263,10 +269,23 @@ impl<W: Work> Turn<W> {
             Ending::Succeeded { checkpoint, .. } => {
                 let report = checkpoint.work.report().cloned();
                 let record = Record { report, ..self.record(State::Succeeded, checkpoint) };
-                let gift = W::gift(&self.inner.house, self.job.id(), &record);
-                (record, gift)
+                let effect = record.report.as_ref().and_then(|report| {
+                    let (services, id) = (&self.inner.services, self.job.id());
+                    W::success_effect(services, id, &record.own, &record.settings, report)
+                });
+                (record, effect)
             }
         }
+    }
+}
+
+/// Says how a job has ended.
+fn log_end<W: Work>(job: JobId, record: &Record<W>) {
+    let kind = W::KIND.name();
+    match (record.state, &record.error) {
+        (State::Failed, Some(error)) => tracing::info!(%job, kind, error, "job failed"),
+        (State::Cancelled, _) => tracing::info!(%job, kind, "job cancelled"),
+        _ => tracing::info!(%job, kind, "job finished"),
     }
 }
 
@@ -274,13 +293,13 @@ impl<W: Work> Turn<W> {
 fn progress<W: Work>(
     job: JobId,
     checkpoint: &Checkpoint<W>,
-    told: &Told<W>,
+    outcome: &BatchOutcome<W>,
 ) -> Result<Vec<Change>, serde_json::Error> {
     let mut changes = Vec::new();
     if checkpoint.work.report().is_none() {
         changes.push(Change::PutCheckpoint { job, body: checkpoint.body()? });
     }
-    for (index, part) in &told.parts {
+    for (index, part) in &outcome.parts {
         changes.push(Change::PutPart { job, index: *index, body: part_body(part)? });
     }
     Ok(changes)
@@ -293,61 +312,67 @@ fn waiting(failure: &Failure) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::toy::{Toy, Wishes};
+    use super::super::fake_work::{FakeSettings, FakeWork};
     use super::super::{Jobs, Limits, Submission};
     use super::*;
     use crate::store::{Contents, Keeper, MemoryStore, Store};
     use umwelt_lab::pool::{Pool, Priority};
     use umwelt_lab::work::Work as _;
 
-    async fn open(store: &Arc<MemoryStore>) -> Jobs<Toy> {
+    async fn open(store: &Arc<MemoryStore>) -> Jobs<FakeWork> {
         let pool = Arc::new(Pool::new(Some(2), Priority::Normal).unwrap());
         let (limits, keeper) = (Limits { queued: 16, kept: 200 }, Keeper::new(store.clone()));
         let contents = store.load().unwrap();
         Jobs::open(limits, pool, keeper, (), &contents, &Default::default()).await.unwrap()
     }
 
-    async fn submit(jobs: &Jobs<Toy>, settings: Wishes) -> Arc<Job<Toy>> {
+    async fn submit(jobs: &Jobs<FakeWork>, settings: FakeSettings) -> Arc<Job<FakeWork>> {
         let submission = Submission { settings, key: None, request: String::new() };
         jobs.submitting().await.submit(submission, |number| Ok((number, ()))).await.unwrap()
     }
 
-    async fn ended(job: &Job<Toy>) -> (State, Option<String>) {
+    async fn ended(job: &Job<FakeWork>) -> (State, Option<String>) {
         let record = job.follow().wait_for(|shown| shown.has_ended()).await.unwrap().record.clone();
         (record.state, record.error.clone())
     }
 
-    /// The bug to fear: one job that panics takes the server with it, or all that wait.
+    /// Guards against one job that panics and takes the server with it, or all that wait.
     #[tokio::test]
     async fn a_job_that_panics_fails_and_the_next_has_its_turn() {
         let jobs = open(&Arc::default()).await;
-        let panics = Wishes { panics: true, ..Wishes::default() };
+        let panics = FakeSettings { panics: true, ..FakeSettings::default() };
         let (state, error) = ended(&*submit(&jobs, panics).await).await;
         assert_eq!(state, State::Failed);
         assert_eq!(error.unwrap(), "an evaluation failed: no floor under the robot");
-        assert_eq!(ended(&*submit(&jobs, Wishes::default()).await).await, (State::Succeeded, None));
+        assert_eq!(
+            ended(&*submit(&jobs, FakeSettings::default()).await).await,
+            (State::Succeeded, None)
+        );
     }
 
-    /// The bug to fear: work that asks for nothing more and has no report keeps its turn for ever.
+    /// Guards against work that asks for nothing more has no report, and keeps its turn for ever.
     #[tokio::test]
-    async fn a_job_without_hope_fails_with_its_reason_and_keeps_what_it_has_left() {
+    async fn a_job_that_cannot_succeed_fails_with_its_reason_and_keeps_what_it_has_left() {
         let store = Arc::default();
         let jobs = open(&store).await;
-        let hopeless = Wishes { batches: 2, hopeless: true, ..Wishes::default() };
-        let job = submit(&jobs, hopeless).await;
-        let reason = "nobody counts that far".to_owned();
+        let fails = FakeSettings { batches: 2, fails: true, ..FakeSettings::default() };
+        let job = submit(&jobs, fails).await;
+        let reason = "it counts no further".to_owned();
         assert_eq!(ended(&job).await, (State::Failed, Some(reason)));
         assert_eq!(store.parts(job.id(), 0, 9).unwrap().len(), 2);
         assert_eq!(job.shown().record.reached.stage, Some(2));
-        assert_eq!(ended(&*submit(&jobs, Wishes::default()).await).await, (State::Succeeded, None));
+        assert_eq!(
+            ended(&*submit(&jobs, FakeSettings::default()).await).await,
+            (State::Succeeded, None)
+        );
     }
 
-    /// The bug to fear: a report is there, and what the last batch has left is not.
+    /// Guards against a report without what the last batch has left.
     #[tokio::test]
     async fn what_the_last_batch_leaves_is_kept_with_the_report() {
         let store = Arc::default();
         let jobs = open(&store).await;
-        let job = submit(&jobs, Wishes { batches: 3, ..Wishes::default() }).await;
+        let job = submit(&jobs, FakeSettings { batches: 3, ..FakeSettings::default() }).await;
         assert_eq!(ended(&job).await, (State::Succeeded, None));
         let Contents { jobs: stored, .. } = store.load().unwrap();
         assert!(stored[0].finished && stored[0].body.contains(r#""state":"succeeded""#));
@@ -357,21 +382,22 @@ mod tests {
         assert_eq!(store.checkpoint(job.id()).unwrap(), None);
     }
 
-    /// The bug to fear: a job that begins anew after every restart, and never ends where those come often.
+    /// Guards against a job that begins anew after every restart, and never ends where those come often.
     #[tokio::test]
     async fn a_job_goes_on_from_its_checkpoint() {
         let store = Arc::default();
-        let wishes = Wishes { batches: 3, ..Wishes::default() };
+        let settings = FakeSettings { batches: 3, ..FakeSettings::default() };
         let before = open(&store).await;
-        let fresh = submit(&before, wishes).await;
+        let fresh = submit(&before, settings).await;
         ended(&fresh).await;
         let shown = fresh.shown().record;
-        let mut work = Toy::new(wishes).unwrap();
+        let mut work = FakeWork::new(settings).unwrap();
         // What no batch of its own would have come to.
         work.tell(&[1_000_000]).unwrap();
         let checkpoint = Checkpoint { work, latest: None, elapsed: 7.0 };
         let record = Record { state: State::Running, report: None, ..(*shown).clone() };
-        let [id, next] = [fresh.id().number, 9].map(|number| JobId { kind: Toy::KIND, number });
+        let [id, next] =
+            [fresh.id().number, 9].map(|number| JobId { kind: FakeWork::KIND, number });
         let body = checkpoint.body().unwrap();
         store
             .commit(vec![
@@ -381,7 +407,7 @@ mod tests {
             ])
             .unwrap();
         let after = open(&store).await;
-        let resumed = after.find("comparison-9").unwrap();
+        let resumed = after.find("counting-9").unwrap();
         assert_eq!(ended(&resumed).await, (State::Succeeded, None));
         let now = resumed.shown().record;
         assert!(now.report > Some(1_000_000) && shown.report < Some(1_000_000), "{now:?}");

@@ -1,29 +1,31 @@
-//! One job in the server: what is shown of it, and how it is told to stop.
+//! One job in the server: what is shown of it, and how it is stopped.
 //!
 //! Invariant: what is shown is what is kept, but for the episodes and the time of the batch that is going on.
 
-use super::queue::Start;
 use super::record::{Record, State};
+use super::start::Start;
 use super::work::Work;
 use crate::store::JobId;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 use tokio::sync::{Mutex, Notify, watch};
 use tokio::time::Instant;
-use umwelt_lab::pool::{Meter, remaining};
+use umwelt_lab::evaluator::Meter;
+use umwelt_lab::pool::remaining;
+use umwelt_lab::wire::Pace;
 
 /// A job.
 #[derive(Debug)]
 pub(crate) struct Job<W: Work> {
     id: JobId,
     shown: watch::Sender<Shown<W>>,
-    /// Held by whoever changes its state while it is not running.
+    /// Held while its state is changed outside its turn.
     pub(super) changing: Mutex<()>,
     pub(super) meter: Meter,
     /// Where it is taken up; fresh once it was.
     start: std::sync::Mutex<Start<W>>,
     is_cancelled: AtomicBool,
-    /// Wakes whoever waits for the store on behalf of it.
+    /// Wakes what waits for the store on behalf of it.
     pub(super) cancelling: Notify,
 }
 
@@ -37,18 +39,6 @@ pub(crate) struct Shown<W: Work> {
     pub(crate) trouble: Option<Arc<str>>,
     /// Whether it was removed.
     pub(crate) removed: bool,
-}
-
-/// How fast a job goes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pace {
-    /// Episodes driven, those of the batch that is going on included.
-    pub(crate) episodes: u64,
-    pub(crate) total_episodes: u64,
-    /// Time in s for which it has run.
-    pub(crate) elapsed: f64,
-    /// Time in s that it will still need; none where that is not known.
-    pub(crate) remaining: Option<f64>,
 }
 
 impl<W: Work> Job<W> {
@@ -125,13 +115,13 @@ impl<W: Work> Job<W> {
         let reached = &shown.record.reached;
         let total_episodes = reached.total_episodes;
         let Some(since) = shown.since else {
-            let (episodes, elapsed) = (reached.episodes, reached.elapsed);
-            return Pace { episodes, total_episodes, elapsed, remaining: None };
+            let (episodes, elapsed_s) = (reached.episodes, reached.elapsed);
+            return Pace { episodes, total_episodes, elapsed_s, remaining_s: None };
         };
         let episodes = reached.episodes.max(self.meter.episodes());
-        let elapsed = reached.elapsed + since.elapsed().as_secs_f64();
-        let remaining = remaining(elapsed, episodes, total_episodes);
-        Pace { episodes, total_episodes, elapsed, remaining }
+        let elapsed_s = reached.elapsed + since.elapsed().as_secs_f64();
+        let remaining_s = remaining(elapsed_s, episodes, total_episodes);
+        Pace { episodes, total_episodes, elapsed_s, remaining_s }
     }
 }
 

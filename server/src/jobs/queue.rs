@@ -4,8 +4,10 @@
 //! stay free, submitting, the change of one job.
 
 use super::dispatch;
+use super::inner::{Inner, Limits, unwritable};
 use super::job::Job;
 use super::record::{Checkpoint, Reached, Record, State};
+use super::start::Start;
 use super::work::Work;
 use crate::resource::failure::{self, Failure};
 use crate::store::{
@@ -13,11 +15,12 @@ use crate::store::{
 };
 use std::collections::BTreeMap;
 use std::io;
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::sync::{Mutex, MutexGuard, Notify, watch};
 use umwelt_api::IdempotencyKey;
 use umwelt_api::problem::{Detail, Status, reason};
+use umwelt_lab::evaluator::Evaluator;
 use umwelt_lab::pool::Pool;
 
 /// The jobs of one kind; cheap to clone. They stop when the last clone is dropped, and go on with the next server on
@@ -26,30 +29,6 @@ use umwelt_lab::pool::Pool;
 pub(crate) struct Jobs<W: Work> {
     inner: Arc<Inner<W>>,
     _end: Arc<End<W>>,
-}
-
-/// What the dispatcher shares with those who submit, watch and cancel.
-pub(super) struct Inner<W: Work> {
-    jobs: RwLock<BTreeMap<u64, Arc<Job<W>>>>,
-    /// The highest number that was ever given; held by whoever submits.
-    last: Mutex<u64>,
-    pub(super) keeper: Keeper,
-    pub(super) house: W::House,
-    pub(super) pool: Arc<Pool>,
-    pub(super) wake: Notify,
-    pub(super) closing: watch::Sender<bool>,
-    /// Set once the dispatcher has ended.
-    pub(super) ended: watch::Sender<bool>,
-    limits: Limits,
-}
-
-/// How many jobs of a kind there may be.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits {
-    /// How many may wait for their turn.
-    pub(crate) queued: usize,
-    /// How many that have ended are kept; the last one always is.
-    pub(crate) kept: usize,
 }
 
 struct End<W: Work>(Arc<Inner<W>>);
@@ -68,21 +47,10 @@ pub(crate) struct Submission<W: Work> {
     pub(crate) request: String,
 }
 
-/// Somebody is submitting.
+/// The right to submit: one caller has it at a time.
 pub(crate) struct Submitting<'a, W: Work> {
     inner: &'a Inner<W>,
     last: MutexGuard<'a, u64>,
-}
-
-/// Where a job is taken up when its turn comes.
-#[derive(Debug)]
-pub(super) enum Start<W: Work> {
-    /// At the beginning.
-    Fresh,
-    /// Where it was when the server before ended.
-    From(Box<Checkpoint<W>>),
-    /// Nowhere, and why.
-    Broken(String),
 }
 
 impl<W: Work> Jobs<W> {
@@ -94,7 +62,7 @@ impl<W: Work> Jobs<W> {
         limits: Limits,
         pool: Arc<Pool>,
         keeper: Keeper,
-        house: W::House,
+        services: W::Services,
         contents: &Contents,
         unreadable: &Unreadables,
     ) -> io::Result<Self> {
@@ -109,7 +77,8 @@ impl<W: Work> Jobs<W> {
             jobs: RwLock::new(jobs),
             last: Mutex::new(contents.last_number(W::KIND)),
             keeper,
-            house,
+            services,
+            evaluator: Arc::clone(&pool) as Arc<dyn Evaluator<W>>,
             pool,
             wake: Notify::new(),
             closing: watch::Sender::new(false),
@@ -133,7 +102,7 @@ impl<W: Work> Jobs<W> {
         jobs.range(..before.unwrap_or(u64::MAX)).rev().map(|(_, job)| Arc::clone(job)).collect()
     }
 
-    /// Begins to submit: nobody else does until what is returned is dropped.
+    /// Begins to submit: no other caller does until what is returned is dropped.
     pub(crate) async fn submitting(&self) -> Submitting<'_, W> {
         Submitting { inner: &self.inner, last: self.inner.last.lock().await }
     }
@@ -288,72 +257,9 @@ impl<W: Work> Submitting<'_, W> {
     }
 }
 
-impl<W: Work> Inner<W> {
-    fn jobs(&self) -> RwLockReadGuard<'_, BTreeMap<u64, Arc<Job<W>>>> {
-        self.jobs.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The job whose turn it is: the oldest that has not ended.
-    pub(super) fn next(&self) -> Option<Arc<Job<W>>> {
-        self.jobs().values().find(|job| !job.state().has_ended()).cloned()
-    }
-
-    fn close(&self) {
-        self.closing.send_replace(true);
-        for job in self.jobs().values() {
-            job.meter.stop();
-        }
-    }
-
-    /// The changes that end a job, so that `record` is left of it, and what else goes with them; the oldest that have
-    /// ended go where there are too many.
-    pub(super) fn ending(
-        &self,
-        job: &Job<W>,
-        record: &Record<W>,
-        more: Vec<Change>,
-    ) -> Result<Vec<Change>, Failure> {
-        let stored = record.stored(job.id()).map_err(unwritable)?;
-        let mut changes = vec![Change::PutJob(stored), Change::DeleteCheckpoint(job.id())];
-        changes.extend(more);
-        changes.extend(self.surplus(job).into_iter().map(Change::DeleteJob));
-        Ok(changes)
-    }
-
-    /// Shows how a job has ended, and no more those that went for it.
-    pub(super) fn show_ended(&self, job: &Job<W>, record: Record<W>) {
-        let surplus = self.surplus(job);
-        job.show(record);
-        surplus.into_iter().for_each(|id| self.remove(id));
-    }
-
-    /// Those that have ended and go for `job`, the oldest first. One that has just ended stays, however old it is:
-    /// somebody waits for it.
-    fn surplus(&self, job: &Job<W>) -> Vec<JobId> {
-        let jobs = self.jobs();
-        let others = jobs.values().filter(|other| other.id() != job.id());
-        let ended: Vec<_> =
-            others.filter(|other| other.state().has_ended()).map(|other| other.id()).collect();
-        let excess = ended.len().saturating_sub(self.limits.kept.max(1) - 1);
-        ended[..excess].to_vec()
-    }
-
-    fn remove(&self, id: JobId) {
-        let job = self.jobs.write().unwrap_or_else(PoisonError::into_inner).remove(&id.number);
-        if let Some(job) = job {
-            job.show_removed();
-        }
-    }
-}
-
 /// The number in the id of a job.
 fn number(kind: JobKind, id: &str) -> Option<u64> {
     id.strip_prefix(kind.name())?.strip_prefix('-')?.parse().ok()
-}
-
-/// What is to be kept cannot be written down.
-pub(super) fn unwritable(error: serde_json::Error) -> Failure {
-    failure::internal(format!("it cannot be written down: {error}"))
 }
 
 /// The job that is kept, or why it cannot be read.

@@ -81,7 +81,7 @@ impl State {
     }
 }
 
-impl From<State> for umwelt_api::evolution::State {
+impl From<State> for umwelt_api::job::State {
     fn from(state: State) -> Self {
         match state {
             State::Queued => Self::Queued,
@@ -184,7 +184,7 @@ impl<W: Work> Record<W> {
         W::FORM.read_with(body, |content| {
             let kept: Record<W, W::Spec> =
                 serde_json::from_value(content).map_err(|it| it.to_string())?;
-            let settings = W::settings(&kept.settings)?;
+            let settings = W::settings_of(&kept.settings)?;
             Ok::<_, String>(kept.with(settings))
         })
     }

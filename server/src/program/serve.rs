@@ -149,6 +149,12 @@ impl Server {
         self.router.clone()
     }
 
+    /// What its routes can reach.
+    #[cfg(test)]
+    pub(crate) fn app(&self) -> App {
+        self.app.clone()
+    }
+
     /// Serves until `shutdown`, then drains: robots are told to rest and steps still answered until every connected
     /// robot has fetched a stopping horizon or [`Config::drain`] has passed; then connections, jobs and store end in
     /// order or after [`Config::close`] together.

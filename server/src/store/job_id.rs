@@ -9,6 +9,9 @@ pub enum JobKind {
     Evolution,
     /// Methods are compared.
     Comparison,
+    /// Numbers are counted: the kind with which tests show what all kinds share.
+    #[cfg(test)]
+    Counting,
 }
 
 impl JobKind {
@@ -20,6 +23,8 @@ impl JobKind {
         match self {
             Self::Evolution => "evolution",
             Self::Comparison => "comparison",
+            #[cfg(test)]
+            Self::Counting => "counting",
         }
     }
 

@@ -47,6 +47,7 @@ const CORE: Layers = &[
 
 const LAB: Layers = &[
     &["seeds.rs", "work.rs"],
+    &["evaluator.rs", "fake_work.rs"],
     &["peers/", "evolution/", "comparison/"],
     &["wire/"],
     &["pool.rs", "csv.rs", "figures/", "report/"],

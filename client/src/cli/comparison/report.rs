@@ -1,9 +1,9 @@
-//! What came of a comparison, in tables and in the words of the verdicts.
+//! The report of a comparison, in tables and in the words of the verdicts.
 
 use super::super::quantity::{UNKNOWN, of_arrivals, or_unknown};
 use super::super::table::{Column, Table};
 use std::fmt::Write;
-use umwelt_api::comparison::{Entry, EnvironmentReport, Recognition, Report};
+use umwelt_api::comparison::{Entry, EnvironmentReport, Finding, Recognition, Report};
 
 pub(super) const ABOUT: &str = "\
 Every method drove the same trials; a table for each environment.
@@ -78,8 +78,12 @@ fn claims(report: &Report) -> String {
     for claim in &report.claims {
         let _ =
             writeln!(text, "{} against {}, {}:", claim.contender, claim.against, claim.environment);
-        for part in claim.verdict.split("; ") {
-            let _ = writeln!(text, "  {part}");
+        for Finding { words, .. } in &claim.findings {
+            let _ = writeln!(text, "  {words}");
+        }
+        if claim.findings.is_empty() {
+            // A server of an earlier version says it in one text.
+            let _ = writeln!(text, "  {}", claim.verdict);
         }
     }
     text

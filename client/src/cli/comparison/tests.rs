@@ -1,10 +1,13 @@
 //! How comparisons are shown.
 
 use super::*;
+use crate::cli::job::noun::listed;
 use crate::compare::tests::COMPARISON;
 use umwelt_api::comparison::{
-    Claim, Entry, EnvironmentReport, Estimate, Quantities, Recognition, Reductions, Report,
+    Claim, Entry, EnvironmentReport, Estimate, Finding, FindingResult, FindingSubject, Quantities,
+    Recognition, Reductions, Report,
 };
+use umwelt_api::comparison::{Outcome, Page};
 
 fn comparison() -> Comparison {
     serde_json::from_str(COMPARISON).unwrap()
@@ -30,6 +33,13 @@ fn entry(contender: &str, identifies: bool) -> Entry {
         difference: None,
     }
 }
+
+/// The words of a verdict, finding by finding.
+const WORDS: [&str; 3] = [
+    "deviation 12.3 % smaller (95 %: 8.1 to 16.0): 16 % of the thesis's 75 %",
+    "time 104 % longer (95 %: 100 to 108): the opposite of the thesis's 35 % shorter, none of it is reached",
+    "not all arrived: bayesian/20 in 99.5 % of the trials, statistic/20 in 100.0 %, the others count with the time limit and as far as they got",
+];
 
 fn report() -> Report {
     let never = Recognition { share: 0.4, median_samples: None, p90_samples: None };
@@ -58,8 +68,17 @@ fn report() -> Report {
         arrived: 0.995,
         against_arrived: 1.0,
         verdict: String::new(),
+        findings: Vec::new(),
     };
-    let claims = vec![Claim { verdict: claim.in_words(), ..claim }];
+    let findings = [
+        (FindingSubject::Deviation, FindingResult::Partly, WORDS[0]),
+        (FindingSubject::Time, FindingResult::Opposite, WORDS[1]),
+        (FindingSubject::Arrival, FindingResult::NotAllArrived, WORDS[2]),
+    ];
+    let finding =
+        |(about, result, words): (_, _, &str)| Finding { about, result, words: words.to_owned() };
+    let claims =
+        vec![Claim { verdict: WORDS.join("; "), findings: findings.map(finding).into(), ..claim }];
     Report {
         trials: 1000,
         environments: vec![environment("normal"), environment("bad-link")],
@@ -84,6 +103,13 @@ no-compensation/1   99.5 %     21.2 s  170.0 s         12.3 mm  100.0 mm        
          limit and as far as they got\n"
     );
     assert_eq!(report::text(&report()), expected);
+    let mut earlier = report();
+    earlier.claims[0].findings.clear();
+    let shown = report::text(&earlier);
+    assert!(
+        shown.ends_with(&format!("  {}\n", WORDS.join("; "))),
+        "as a server of an earlier version says it"
+    );
     let untested = Report { claims: Vec::new(), ..report() };
     assert!(report::text(&untested).ends_with("with as many slots\n"));
 }
@@ -91,7 +117,7 @@ no-compensation/1   99.5 %     21.2 s  170.0 s         12.3 mm  100.0 mm        
 #[test]
 fn a_comparison_is_shown_with_what_was_asked_for_and_what_came_of_it() {
     assert_eq!(
-        show(&comparison()),
+        ComparisonKind::show(&comparison()),
         "\
 comparison-12: queued, waiting for its turn
   scenario     thesis: normal, bad-link
@@ -104,15 +130,15 @@ comparison-12: queued, waiting for its turn
     let succeeded = Comparison {
         state: State::Succeeded,
         interrupted: 1,
-        report: Some(report()),
+        outcome: Outcome { report: Some(report()) },
         ..comparison()
     };
-    let text = show(&succeeded);
+    let text = ComparisonKind::show(&succeeded);
     assert!(text.contains("resumed after one restart of the server"), "{text}");
     assert!(text.contains("of bayesian\n\nnormal:\nMETHOD"), "{text}");
     let error = Some("no space left".to_owned());
     let failed = Comparison { state: State::Failed, error, ..comparison() };
-    assert!(show(&failed).contains("error        no space left\n"));
+    assert!(ComparisonKind::show(&failed).contains("error        no space left\n"));
 }
 
 #[test]
@@ -120,11 +146,14 @@ fn progress_says_trial_and_time_left() {
     let progress = comparison().progress;
     let trials =
         Progress { stage: Stage::Trials, trials_done: 5, remaining_s: Some(12.34), ..progress };
-    assert_eq!(words(&trials), "trial 5/1000, 12.3 s left");
+    assert_eq!(ComparisonKind::words(&trials), "trial 5/1000, 12.3 s left");
     let reference = Progress { stage: Stage::Reference, ..progress };
-    assert_eq!(words(&reference), "measuring how each environment shows in the samples");
+    assert_eq!(
+        ComparisonKind::words(&reference),
+        "measuring how each environment shows in the samples"
+    );
     let done = Progress { stage: Stage::Done, remaining_s: Some(0.0), ..trials };
-    assert_eq!(words(&done), "1000 trials");
+    assert_eq!(ComparisonKind::words(&done), "1000 trials");
 }
 
 #[test]
@@ -136,14 +165,14 @@ fn comparisons_are_a_table() {
     };
     let mut without = comparison();
     without.spec.prior = None;
-    let page = Page { comparisons: vec![running, without], ..Page::default() };
+    let page = Page { jobs: vec![running, without], ..Page::default() };
     assert_eq!(
-        list(&page),
+        listed(&page),
         "\
 COMPARISON     STATE     TRIAL  RAN FOR  SCENARIO  METHODS  SEED  PRIOR
 comparison-12  running  5/1000    1 min  thesis          3     1  thesis
 comparison-12  queued   0/1000    0.0 s  thesis          3     1  -
 "
     );
-    assert_eq!(list(&Page::default()), "");
+    assert_eq!(listed(&Page::default()), "");
 }

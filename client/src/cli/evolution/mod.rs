@@ -5,23 +5,18 @@ pub(super) mod report;
 
 use super::failure::Failure;
 use super::input;
-use super::job::watch::{Told, watch};
-use super::job::{At, Job, News, STATES, described, episodes, time_left};
+use super::job::{Noun, STATES, described, episodes, noun, time_left};
 use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{UNKNOWN, millimetres, of_arrivals, or_unknown, percent, span};
 use super::table::{Column, Table};
-use super::unreadable::{unreadable, with};
 use crate::client::Client;
-use crate::error::Error;
-use crate::events::EvolutionEvents;
 use clap::Subcommand;
 use futures_util::TryStreamExt;
-use serde_json::json;
 use std::fmt::Write;
 use umwelt_api::EvolutionId;
 use umwelt_api::evolution::{
-    Event, Evolution, GenerationsPage, Kind, Page, Progress, Spec, Stage, State,
+    Evolution, EvolutionKind, GenerationsPage, Progress, Spec, Stage, State,
 };
 
 #[derive(Debug, Subcommand)]
@@ -75,21 +70,12 @@ Example:
 impl Command {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         match self {
-            Self::List { state } => {
-                let evolutions: Vec<Evolution> =
-                    wait(client.evolutions(state).try_collect()).await?;
-                if evolutions.is_empty() {
-                    say("no evolutions; submit one: umwelt evolve");
-                }
-                let unreadable = unreadable(client, "evolutions", state.is_none()).await?;
-                output.result(&Page { evolutions, unreadable, next_page_token: None }, list)
-            }
+            Self::List { state } => noun::list::<EvolutionKind>(client, output, state).await,
             Self::Show { evolution } => {
-                output.result(&wait(client.get_evolution(&evolution)).await?, show)
+                noun::show::<EvolutionKind>(client, output, &evolution).await
             }
             Self::Watch { evolution } => {
-                let evolution = wait(client.get_evolution(&evolution)).await?;
-                watch(client, output, &evolution, Told::Everything).await
+                noun::watch::<EvolutionKind>(client, output, &evolution).await
             }
             Self::Generations { evolution } => {
                 let generations = wait(client.generations(&evolution).try_collect()).await?;
@@ -101,131 +87,82 @@ impl Command {
             }
             Self::Plot(plot) => plot.run(client, output).await,
             Self::Cancel { evolution } => {
-                let cancelled = wait(client.cancel_evolution(&evolution)).await?;
-                output.result(&cancelled, |it| format!("{} is cancelled", it.evolution))
+                noun::cancel::<EvolutionKind>(client, output, &evolution).await
             }
             Self::Remove { evolution } => {
-                wait(client.delete_evolution(&evolution)).await?;
-                let answer = json!({ "evolution": evolution, "removed": true });
-                output.result(&answer, |_| format!("{evolution} is removed"))
+                noun::remove::<EvolutionKind>(client, output, &evolution).await
             }
         }
     }
 }
 
-impl Job for Evolution {
-    const NOUN: &str = "evolution";
-    type Event = Event;
+impl Noun for EvolutionKind {
+    const VERB: &'static str = "evolve";
 
-    fn id(&self) -> &str {
-        self.evolution.as_str()
-    }
-
-    fn state(&self) -> State {
-        self.state
-    }
-
-    fn at(&self) -> At {
-        at(&self.progress)
-    }
-
-    fn error(&self) -> Option<&str> {
-        self.error.as_deref()
-    }
-
-    fn shown(&self) -> String {
-        show(self)
-    }
-
-    async fn newest(&self, client: &Client) -> Result<Self, Error> {
-        client.get_evolution(&self.evolution).await
-    }
-
-    async fn events(&self, client: &Client) -> Result<EvolutionEvents, Error> {
-        // The generations that have ended before are not news.
-        client.evolution_events(&self.evolution, Some(self.progress.generation)).await
-    }
-
-    fn news(event: &Event) -> News {
-        match &event.kind {
-            Kind::State { state, progress, .. } => News::State(*state, at(progress)),
-            Kind::Generation { .. } => News::Other,
-            Kind::Other => News::Unknown,
+    /// How far an evolution has got, as `generation 5/30, best 1.320, mean 1.104, 12.0 s left`.
+    fn words(progress: &Progress) -> String {
+        let Progress { generation, generations, .. } = progress;
+        let mut text = match progress.stage {
+            Stage::Queued => "waiting for its turn".to_owned(),
+            Stage::Reference => "driving the fixed model that sets the unit of fitness".to_owned(),
+            Stage::Generations => format!("generation {generation}/{generations}"),
+            Stage::Selection => "choosing the champion on fresh seeds".to_owned(),
+            Stage::Report => "measuring the champion on third seeds".to_owned(),
+            Stage::Done => format!("{generations} generations"),
+        };
+        if let (Some(best), Some(mean)) = (progress.best_fitness, progress.mean_fitness) {
+            let _ = write!(text, ", best {best:.3}, mean {mean:.3}");
         }
+        if progress.stage != Stage::Done {
+            text += &time_left(progress.remaining_s);
+        }
+        text
     }
-}
 
-fn at(progress: &Progress) -> At {
-    let Progress { episodes, total_episodes, .. } = *progress;
-    At { episodes, total_episodes, words: words(progress) }
-}
-
-/// How far an evolution has got, as `generation 5/30, best 1.320, mean 1.104, 12.0 s left`.
-fn words(progress: &Progress) -> String {
-    let Progress { generation, generations, .. } = progress;
-    let mut text = match progress.stage {
-        Stage::Queued => "waiting for its turn".to_owned(),
-        Stage::Reference => "driving the fixed model that sets the unit of fitness".to_owned(),
-        Stage::Generations => format!("generation {generation}/{generations}"),
-        Stage::Selection => "choosing the champion on fresh seeds".to_owned(),
-        Stage::Report => "measuring the champion on third seeds".to_owned(),
-        Stage::Done => format!("{generations} generations"),
-    };
-    if let (Some(best), Some(mean)) = (progress.best_fitness, progress.mean_fitness) {
-        let _ = write!(text, ", best {best:.3}, mean {mean:.3}");
-    }
-    if progress.stage != Stage::Done {
-        text += &time_left(progress.remaining_s);
-    }
-    text
-}
-
-fn list(page: &Page) -> String {
-    if page.evolutions.is_empty() {
-        return with(String::new(), &page.unreadable);
-    }
-    let mut table = Table::new([
-        Column::Text("EVOLUTION"),
-        Column::Text("STATE"),
-        Column::Number("GENERATION"),
-        Column::Number("BEST"),
-        Column::Number("MEAN"),
-        Column::Number("RAN FOR"),
-        Column::Text("OPTIMIZER"),
-        Column::Number("SEED"),
-        Column::Text("PRIOR"),
-    ]);
-    for evolution in &page.evolutions {
-        let Evolution { progress, spec, .. } = evolution;
-        let fitness = |value| or_unknown(value, |value: f64| format!("{value:.3}"));
-        table.row([
-            evolution.evolution.to_string(),
-            evolution.state.name().to_owned(),
-            format!("{}/{}", progress.generation, progress.generations),
-            fitness(progress.best_fitness),
-            fitness(progress.mean_fitness),
-            span(progress.elapsed_s),
-            spec.optimizer.name().to_owned(),
-            spec.seed.to_string(),
-            or_unknown(evolution.prior.as_ref(), ToString::to_string),
+    fn table(evolutions: &[Evolution]) -> String {
+        let mut table = Table::new([
+            Column::Text("EVOLUTION"),
+            Column::Text("STATE"),
+            Column::Number("GENERATION"),
+            Column::Number("BEST"),
+            Column::Number("MEAN"),
+            Column::Number("RAN FOR"),
+            Column::Text("OPTIMIZER"),
+            Column::Number("SEED"),
+            Column::Text("PRIOR"),
         ]);
+        for evolution in evolutions {
+            let Evolution { progress, spec, .. } = evolution;
+            let fitness = |value| or_unknown(value, |value: f64| format!("{value:.3}"));
+            table.row([
+                evolution.id.to_string(),
+                evolution.state.name().to_owned(),
+                format!("{}/{}", progress.generation, progress.generations),
+                fitness(progress.best_fitness),
+                fitness(progress.mean_fitness),
+                span(progress.elapsed_s),
+                spec.optimizer.name().to_owned(),
+                spec.seed.to_string(),
+                or_unknown(evolution.outcome.prior.as_ref(), ToString::to_string),
+            ]);
+        }
+        table.to_string()
     }
-    with(table.to_string(), &page.unreadable)
-}
 
-fn show(evolution: &Evolution) -> String {
-    let Evolution { spec, progress, interrupted, .. } = evolution;
-    let lines = [
-        ("environments", spec.environments.join(", ")),
-        ("search", search(spec)),
-        ("episodes", episodes(&at(progress), progress.elapsed_s, *interrupted)),
-        ("prior", kept(evolution)),
-    ];
-    let mut text = described(evolution, &lines);
-    if let Some(champion) = &evolution.champion {
-        let _ = write!(text, "\n{}", report::text(champion));
+    fn show(evolution: &Evolution) -> String {
+        let Evolution { spec, progress, .. } = evolution;
+        let lines = [
+            ("environments", spec.environments.join(", ")),
+            ("search", search(spec)),
+            ("episodes", episodes(evolution, progress.elapsed_s)),
+            ("prior", kept(evolution)),
+        ];
+        let mut text = described(evolution, &lines);
+        if let Some(champion) = &evolution.outcome.champion {
+            let _ = write!(text, "\n{}", report::text(champion));
+        }
+        text
     }
-    text
 }
 
 fn search(spec: &Spec) -> String {
@@ -238,7 +175,7 @@ fn search(spec: &Spec) -> String {
 
 /// Under what name the champion is kept.
 fn kept(evolution: &Evolution) -> String {
-    match (&evolution.prior, &evolution.spec.prior) {
+    match (&evolution.outcome.prior, &evolution.spec.prior) {
         (Some(name), _) => format!("{name}; use it: umwelt robot add ID --prior {name}"),
         (None, Some(name)) if !evolution.state.has_ended() => {
             format!("{name}, once there is a champion")

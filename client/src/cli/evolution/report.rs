@@ -2,7 +2,7 @@
 
 use super::super::quantity::{UNKNOWN, millimetres, of_arrivals, percent};
 use super::super::table::{Column, Table};
-use umwelt_api::evolution::{Champion, Entry, Estimate};
+use umwelt_api::evolution::{Champion, Entry, Estimate, Ranking};
 use umwelt_api::robot::ChannelPrior;
 
 pub(super) const ABOUT: &str = "\
@@ -33,18 +33,19 @@ fn within(estimate: Estimate) -> String {
 }
 
 /// The verdict in a few words; the server's own is longer.
-fn verdict(entry: &Entry, champion: &Entry) -> String {
-    let words = match entry.difference {
-        None => return String::new(),
-        Some(difference) if difference.includes_zero() => "includes zero: no difference shown",
-        Some(difference) if difference.mean > 0.0 => "the champion is better",
-        Some(_) => "the champion is worse",
+fn verdict(entry: &Entry) -> String {
+    let words = match (entry.difference, entry.champion_is) {
+        (None, _) => return String::new(),
+        (_, Some(Ranking::NoDifference)) => "includes zero: no difference shown",
+        (_, Some(Ranking::Better)) => "the champion is better",
+        (_, Some(Ranking::Worse)) => "the champion is worse",
+        // A server of an earlier version says it in words alone.
+        (_, None) => return entry.verdict.clone(),
     };
-    let paid: Vec<_> = entry.fitter_in(champion).map(|(it, _)| it.environment.as_str()).collect();
-    if paid.is_empty() {
+    if entry.champion_worse_in.is_empty() {
         words.to_owned()
     } else {
-        format!("{words}; worse in {}", paid.join(", "))
+        format!("{words}; worse in {}", entry.champion_worse_in.join(", "))
     }
 }
 
@@ -65,7 +66,7 @@ fn entries(champion: &Champion) -> String {
             within(entry.fitness),
             entry.difference.map_or_else(unknown, |it| format!("{:.3}", it.mean)),
             entry.difference.map_or_else(unknown, within),
-            verdict(entry, &champion.entries[0]),
+            verdict(entry),
         ]);
     }
     table.to_string()

@@ -1,10 +1,12 @@
 //! How evolutions are shown.
 
 use super::*;
+use crate::cli::job::noun::listed;
 use crate::evolve::tests::EVOLUTION;
 use umwelt_api::evolution::{
-    Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment,
+    Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment, Ranking,
 };
+use umwelt_api::evolution::{Outcome, Page};
 use umwelt_api::robot::Prior;
 
 fn evolution() -> Evolution {
@@ -30,6 +32,12 @@ fn entry(name: &str, fitness: f64, difference: Option<Estimate>) -> Entry {
         difference,
         environments: vec![result("normal", fitness), result("bad-link", 1.0)],
         verdict: "in the words of the server".to_owned(),
+        champion_is: difference.map(|it| match it.mean {
+            _ if it.includes_zero() => Ranking::NoDifference,
+            mean if mean > 0.0 => Ranking::Better,
+            _ => Ranking::Worse,
+        }),
+        champion_worse_in: if fitness > 1.36 { vec!["normal".to_owned()] } else { Vec::new() },
     }
 }
 
@@ -45,6 +53,13 @@ fn champion() -> Champion {
             entry("flat", 1.4, Some(estimate(-0.08, 0.05))),
         ],
     }
+}
+
+#[test]
+fn what_an_earlier_server_says_in_words_alone_is_shown_as_it_is() {
+    let mut champion = champion();
+    champion.entries[2].champion_is = None;
+    assert!(report::text(&champion).contains("in the words of the server"));
 }
 
 #[test]
@@ -67,9 +82,9 @@ normal       champion            1.320  1.300 .. 1.340  21.2 s    12.3 mm   99.5
     assert!(text.contains("\nforward  0.0000  1.000  4.000  4.500e-2  0.1500\n"), "{text}");
 }
 
-/// The bug to fear: 0.0 s and 0.0 mm of robots that stood still.
+/// Guards against 0.0 s and 0.0 mm of robots that stood still.
 #[test]
-fn where_nobody_arrived_there_is_neither_time_nor_deviation() {
+fn without_arrivals_there_is_neither_time_nor_deviation() {
     let mut champion = champion();
     for entry in &mut champion.entries {
         let result = &mut entry.environments[1];
@@ -83,21 +98,18 @@ fn where_nobody_arrived_there_is_neither_time_nor_deviation() {
 }
 
 #[test]
-fn a_champion_that_just_touches_zero_has_shown_nothing() {
+fn the_servers_ranking_is_shown_whatever_the_numbers_are() {
     let mut champion = champion();
-    champion.entries.truncate(2);
-    for (low, high) in [(0.0, 0.1), (-0.1, 0.0)] {
-        champion.entries[1].difference = Some(Estimate { mean: (low + high) / 2.0, low, high });
-        assert!(report::text(&champion).contains("includes zero: no difference shown"));
-    }
-    champion.entries[1].difference = Some(Estimate { mean: 0.1, low: 1e-9, high: 0.2 });
-    assert!(!report::text(&champion).contains("includes zero"));
+    champion.entries[2].champion_is = Some(Ranking::NoDifference);
+    champion.entries[2].champion_worse_in = vec!["bad-link".to_owned()];
+    let text = report::text(&champion);
+    assert!(text.contains("includes zero: no difference shown; worse in bad-link"), "{text}");
 }
 
 #[test]
 fn an_evolution_is_shown_with_what_was_asked_for_and_what_it_found() {
     assert_eq!(
-        show(&evolution()),
+        EvolutionKind::show(&evolution()),
         "\
 evolution-12: queued, waiting for its turn
   environments normal
@@ -109,18 +121,17 @@ evolution-12: queued, waiting for its turn
     let succeeded = Evolution {
         state: State::Succeeded,
         interrupted: 2,
-        prior: "mine".parse().ok(),
-        champion: Some(champion()),
+        outcome: Outcome { prior: "mine".parse().ok(), champion: Some(champion()) },
         ..evolution()
     };
-    let text = show(&succeeded);
+    let text = EvolutionKind::show(&succeeded);
     assert!(text.contains("resumed after 2 restarts of the server"), "{text}");
     assert!(text.contains("mine; use it: umwelt robot add ID --prior mine"), "{text}");
     assert!(text.contains("VERDICT"), "{text}");
     let error = Some("no space left".to_owned());
     let failed = Evolution { state: State::Failed, error, ..evolution() };
-    assert!(show(&failed).contains("error        no space left\n"));
-    assert!(show(&failed).contains("none; it was to be mine"));
+    assert!(EvolutionKind::show(&failed).contains("error        no space left\n"));
+    assert!(EvolutionKind::show(&failed).contains("none; it was to be mine"));
 }
 
 #[test]
@@ -133,9 +144,9 @@ fn progress_says_generation_best_mean_and_time_left() {
         remaining_s: Some(12.34),
         ..evolution().progress
     };
-    assert_eq!(words(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
+    assert_eq!(EvolutionKind::words(&at), "generation 5/12, best 1.320, mean 1.104, 12.3 s left");
     let done = Progress { stage: Stage::Done, remaining_s: Some(0.0), ..at };
-    assert_eq!(words(&done), "12 generations, best 1.320, mean 1.104");
+    assert_eq!(EvolutionKind::words(&done), "12 generations, best 1.320, mean 1.104");
 }
 
 #[test]
@@ -150,9 +161,9 @@ fn evolutions_and_generations_are_tables() {
         },
         ..evolution()
     };
-    let page = Page { evolutions: vec![running, evolution()], ..Page::default() };
+    let page = Page { jobs: vec![running, evolution()], ..Page::default() };
     assert_eq!(
-        list(&page),
+        listed(&page),
         "\
 EVOLUTION     STATE    GENERATION   BEST  MEAN  RAN FOR  OPTIMIZER  SEED  PRIOR
 evolution-12  running        5/12  1.320     -    1 min  genetic       1  -
@@ -190,5 +201,5 @@ GENERATION   BEST   MEAN  ENVIRONMENT  BEST DEVIATION  MEAN DEVIATION  BEST TIME
                           dead                      -               -          -          -  0.000 %
 "
     );
-    assert_eq!(list(&Page::default()) + &generations_table(&GenerationsPage::default()), "");
+    assert_eq!(listed(&Page::default()) + &generations_table(&GenerationsPage::default()), "");
 }

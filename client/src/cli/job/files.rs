@@ -1,4 +1,4 @@
-//! Files that commands write: none is replaced unless somebody says so.
+//! Files that commands write: none is replaced without --force.
 
 use super::super::failure::Failure;
 use super::super::output::Output;
@@ -99,7 +99,7 @@ fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
     if force {
         options.write(true).create(true).truncate(true);
     } else {
-        // Somebody else may have made it since we looked.
+        // Another program may have made it since we looked.
         options.write(true).create_new(true);
     }
     let written = options.open(path).and_then(|mut file| file.write_all(text.as_bytes()));
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_replaced_only_if_somebody_says_so() {
+    fn a_file_is_replaced_only_with_force() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("report.md");
         let to = |force| Destination { out: Some(path.clone()), force };
@@ -125,7 +125,7 @@ mod tests {
         assert!(to(false).check().is_ok());
         write(false, "first").unwrap();
         assert!(matches!(to(false).check(), Err(Failure::Wrong(_))));
-        // Made by somebody else since the check.
+        // Made by another program since the check.
         let Err(Failure::Wrong(text)) = write(false, "second") else { panic!("it is wrong") };
         assert!(text.contains("report.md is there already: --force"), "{text}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "first");

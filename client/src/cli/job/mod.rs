@@ -1,79 +1,39 @@
-//! What evolutions and comparisons have in common: the server does them in the background, one at a time.
+//! Jobs of any kind: submitted, listed, shown, watched, cancelled, removed.
 
 pub(super) mod files;
+pub(super) mod noun;
+pub(super) mod submit;
 pub(super) mod watch;
 
 use super::failure::Failure;
 use super::quantity::span;
-use crate::client::Client;
 use crate::error::Error;
-use futures_util::stream::BoxStream;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use std::fmt::Write;
 use umwelt_api::IdempotencyKey;
-use umwelt_api::evolution::State;
+use umwelt_api::job::{Job, JobKind, State};
 
 /// The names of the states.
 pub(super) const STATES: &[&str] = &["queued", "running", "succeeded", "failed", "cancelled"];
 
-/// How far a job has got.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct At {
-    /// Simulated episodes driven.
-    pub(super) episodes: u64,
-    /// Episodes in all.
-    pub(super) total_episodes: u64,
-    /// The same in words.
-    pub(super) words: String,
-}
+/// A kind of job as the command line shows it; its name is that of its commands: `evolution` for `umwelt evolution`.
+pub(super) trait Noun: JobKind {
+    /// The command that submits one, as `evolve`.
+    const VERB: &'static str;
 
-/// What an event of a job tells.
-pub(super) enum News {
-    /// Where it stands, and how far it has got.
-    State(State, At),
-    /// Something else.
-    Other,
-    /// Something of a later version.
-    Unknown,
-}
+    /// How far one has got, in words.
+    fn words(progress: &Self::Progress) -> String;
 
-/// Something that the server does in the background.
-pub(super) trait Job: Serialize + DeserializeOwned + Sized {
-    /// What it is called, and its commands with it: `evolution` for `umwelt evolution`.
-    const NOUN: &str;
+    /// Some of them, one a line.
+    fn table(jobs: &[Job<Self>]) -> String;
 
-    /// What happens to it.
-    type Event: Serialize + DeserializeOwned;
-
-    fn id(&self) -> &str;
-
-    fn state(&self) -> State;
-
-    fn at(&self) -> At;
-
-    /// Why it failed, or what keeps it from going on.
-    fn error(&self) -> Option<&str>;
-
-    /// What people are shown of it.
-    fn shown(&self) -> String;
-
-    /// The same as it is now.
-    async fn newest(&self, client: &Client) -> Result<Self, Error>;
-
-    /// What happens to it from now on.
-    async fn events(
-        &self,
-        client: &Client,
-    ) -> Result<BoxStream<'static, Result<Self::Event, Error>>, Error>;
-
-    fn news(event: &Self::Event) -> News;
+    /// One of them, all of it.
+    fn show(job: &Job<Self>) -> String;
 }
 
 /// That it was submitted, and how to watch it.
-pub(super) fn accepted<J: Job>(job: &J) -> String {
-    let (id, noun) = (job.id(), J::NOUN);
-    let state = match job.state() {
+pub(super) fn accepted<K: Noun>(job: &Job<K>) -> String {
+    let (id, noun) = (&job.id, K::NAME);
+    let state = match job.state {
         State::Queued => "waits for its turn",
         State::Running => "goes on",
         State::Succeeded => "has succeeded",
@@ -95,9 +55,10 @@ pub(super) fn refused(error: Error, key: &IdempotencyKey) -> Failure {
 }
 
 /// A job in words: where it stands, why it does not go on, and `lines` of a name and a text.
-pub(super) fn described<J: Job>(job: &J, lines: &[(&str, String)]) -> String {
-    let mut text = format!("{}: {}, {}\n", job.id(), job.state().name(), job.at().words);
-    if let Some(error) = job.error() {
+pub(super) fn described<K: Noun>(job: &Job<K>, lines: &[(&str, String)]) -> String {
+    let words = K::words(&job.progress);
+    let mut text = format!("{}: {}, {words}\n", job.id, job.state.name());
+    if let Some(error) = &job.error {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "  error        {error}");
     }
@@ -108,13 +69,14 @@ pub(super) fn described<J: Job>(job: &J, lines: &[(&str, String)]) -> String {
 }
 
 /// How many episodes were driven in what time, and over how many restarts of the server.
-pub(super) fn episodes(at: &At, elapsed_s: f64, interrupted: u64) -> String {
-    let restarts = match interrupted {
+pub(super) fn episodes<K: Noun>(job: &Job<K>, elapsed_s: f64) -> String {
+    let restarts = match job.interrupted {
         0 => String::new(),
         1 => ", resumed after one restart of the server".to_owned(),
         count => format!(", resumed after {count} restarts of the server"),
     };
-    format!("{} of {}, {}{restarts}", at.episodes, at.total_episodes, span(elapsed_s))
+    let (driven, total) = K::episodes(&job.progress);
+    format!("{driven} of {total}, {}{restarts}", span(elapsed_s))
 }
 
 /// The time that a job which goes on still needs, as `, 12.0 s left`; nothing where it is not known.
@@ -132,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn who_cannot_know_whether_it_was_submitted_is_told_the_key() {
+    fn an_error_that_may_hide_a_submission_names_the_key() {
         let key = "k-1".parse().unwrap();
         let what: Box<str> = "POST http://h/v1/evolutions".into();
         let cause = "reset".to_owned();

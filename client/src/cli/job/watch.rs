@@ -1,9 +1,10 @@
-//! Watching a job: a progress bar while it goes on, what came of it at the end.
+//! Watching a job: a progress bar while it goes on, its result at the end. As JSON it is a line for the job as it is, for
+//! each event, and for the job as it has ended.
 
 use super::super::failure::Failure;
 use super::super::output::Output;
 use super::super::progress::{say, wait};
-use super::{At, Job, News};
+use super::Noun;
 use crate::client::Client;
 use crate::error::Error;
 use futures_util::StreamExt;
@@ -11,62 +12,71 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
 use std::time::Duration;
 use tokio::time::Instant;
-use umwelt_api::evolution::State;
+use umwelt_api::job::{Job, JobNews, State};
 use umwelt_api::visible;
 
 /// A log, as opposed to a terminal, gets a line no more often than this.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// What JSON there is of watching.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in super::super) enum Told {
-    /// A line for the job as it is, for each event, and for the job as it has ended.
-    Everything,
-    /// One document: the job as it has ended.
-    TheEnd,
+/// The name of an event that this program does not know.
+const OF_A_LATER_VERSION: &str = "other";
+
+/// How far a job has got.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct At {
+    /// Simulated episodes driven.
+    episodes: u64,
+    /// Episodes in all.
+    total_episodes: u64,
+    /// The same in words.
+    words: String,
+}
+
+impl At {
+    fn of<K: Noun>(progress: &K::Progress) -> Self {
+        let (episodes, total_episodes) = K::episodes(progress);
+        Self { episodes, total_episodes, words: K::words(progress) }
+    }
 }
 
 /// Watches until it has ended; then shows it. Fails where it did not succeed. Ctrl-C leaves it running.
-pub(in super::super) async fn watch<J: Job>(
+pub(in super::super) async fn watch<K: Noun>(
     client: &Client,
     output: &mut Output,
-    job: &J,
-    told: Told,
+    job: &Job<K>,
 ) -> Result<(), Failure> {
     tokio::select! {
-        ended = follow(client, output, job, told) => ended,
+        ended = follow(client, output, job) => ended,
         _ = tokio::signal::ctrl_c() => Err(left_running(job)),
     }
 }
 
-fn left_running<J: Job>(job: &J) -> Failure {
-    let (id, noun) = (job.id(), J::NOUN);
+fn left_running<K: Noun>(job: &Job<K>) -> Failure {
+    let (id, noun) = (&job.id, K::NAME);
     Failure::Failed(format!(
         "no longer watching; {id} goes on (umwelt {noun} watch {id}, umwelt {noun} cancel {id})"
     ))
 }
 
-async fn follow<J: Job>(
+async fn follow<K: Noun>(
     client: &Client,
     output: &mut Output,
-    job: &J,
-    told: Told,
+    job: &Job<K>,
 ) -> Result<(), Failure> {
-    let tells_events = told == Told::Everything;
-    if tells_events {
-        output.json_line(job)?;
-    }
-    let mut events = wait(job.events(client)).await.map_err(|error| unseen(job, error))?;
+    output.json_line(job)?;
+    // What has happened before is no news.
+    let after = Some(K::event_id(&job.progress));
+    let events = wait(client.job_events::<K>(&job.id, after)).await;
+    let mut events = events.map_err(|error| unseen(job, error))?;
     let mut bar = Bar::new(job);
-    bar.show(job.state(), &job.at());
+    bar.show(job.state, &At::of::<K>(&job.progress));
     while let Some(event) = events.next().await {
         match event {
             Ok(event) => {
-                let news = J::news(&event);
-                if let News::State(state, at) = &news {
-                    bar.show(*state, at);
+                if let Some((state, progress)) = event.kind.state() {
+                    bar.show(state, &At::of::<K>(progress));
                 }
-                if tells_events && !matches!(news, News::Unknown) {
+                if event.kind.name() != OF_A_LATER_VERSION {
                     output.json_line(&event)?;
                 }
             }
@@ -78,17 +88,14 @@ async fn follow<J: Job>(
         }
     }
     drop(bar);
-    let job = wait(job.newest(client)).await.map_err(|error| unseen(job, error))?;
-    match told {
-        Told::Everything => output.line(&job, J::shown)?,
-        Told::TheEnd => output.result(&job, J::shown)?,
-    }
+    let job = wait(client.job::<K>(&job.id)).await.map_err(|error| unseen(job, error))?;
+    output.line(&job, K::show)?;
     ended(&job)
 }
 
 /// Why it cannot be watched; where it goes on all the same, how to come back to it.
-fn unseen<J: Job>(job: &J, error: Error) -> Failure {
-    let (id, noun) = (job.id(), J::NOUN);
+fn unseen<K: Noun>(job: &Job<K>, error: Error) -> Failure {
+    let (id, noun) = (&job.id, K::NAME);
     let transient = error.is_transient();
     match Failure::from(error) {
         Failure::Failed(text) if transient => Failure::Failed(format!(
@@ -99,12 +106,12 @@ fn unseen<J: Job>(job: &J, error: Error) -> Failure {
 }
 
 /// Whether it has succeeded.
-fn ended<J: Job>(job: &J) -> Result<(), Failure> {
-    let (id, noun) = (job.id(), J::NOUN);
-    match job.state() {
+fn ended<K: Noun>(job: &Job<K>) -> Result<(), Failure> {
+    let (id, noun) = (&job.id, K::NAME);
+    match job.state {
         State::Succeeded => Ok(()),
         State::Failed => {
-            let why = job.error().unwrap_or("the server does not say why");
+            let why = job.error.as_deref().unwrap_or("the server does not say why");
             Err(Failure::Failed(format!("{id} has failed: {why}")))
         }
         State::Cancelled => Err(Failure::Failed(format!("{id} was cancelled"))),
@@ -123,10 +130,11 @@ struct Bar {
 }
 
 impl Bar {
-    fn new(job: &impl Job) -> Self {
-        let id = job.id().to_owned();
+    fn new<K: Noun>(job: &Job<K>) -> Self {
+        let id = job.id.to_string();
         let bar = io::stderr().is_terminal().then(|| {
-            let (target, episodes) = (ProgressDrawTarget::stderr(), job.at().total_episodes);
+            let (_, episodes) = K::episodes(&job.progress);
+            let target = ProgressDrawTarget::stderr();
             let bar = ProgressBar::with_draw_target(Some(episodes.max(1)), target)
                 .with_prefix(id.clone());
             match ProgressStyle::with_template("{prefix} {bar:24} {percent:>3} % {msg}") {
@@ -165,7 +173,7 @@ impl Drop for Bar {
     }
 }
 
-/// Whether a log is told: what it has not been told, and not too often; a change of state always.
+/// Whether a log gets a line: for what it has not shown, and not too often; for a change of state always.
 fn is_news(
     said: Option<&(State, String, Instant)>,
     state: State,
@@ -189,13 +197,12 @@ mod tests {
     use crate::evolve::tests::EVOLUTION;
     use crate::test_server::{Server, answer, json};
     use hyper::StatusCode;
-    use serde::de::DeserializeOwned;
     use serde_json::Value;
-    use umwelt_api::comparison::Comparison;
-    use umwelt_api::evolution::Evolution;
+    use umwelt_api::comparison::{Comparison, ComparisonKind};
+    use umwelt_api::evolution::{Evolution, EvolutionKind};
 
     #[test]
-    fn a_log_is_told_no_more_than_every_two_seconds() {
+    fn a_log_gets_a_line_no_more_than_every_two_seconds() {
         let now = Instant::now();
         let said = (State::Running, "a".to_owned(), now);
         let later = now + PAUSE;
@@ -207,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn who_stops_watching_is_told_that_it_goes_on() {
+    fn the_end_of_watching_says_that_the_job_goes_on() {
         let evolution: Evolution = serde_json::from_str(EVOLUTION).unwrap();
         let comparison: Comparison = serde_json::from_str(COMPARISON).unwrap();
         for (left, id, noun) in [
@@ -221,10 +228,9 @@ mod tests {
     }
 
     /// A server on which `job` ends in `state`, watched: what was written, and how it ended.
-    async fn watched<J: Job + DeserializeOwned>(
+    async fn watched<K: Noun>(
         job: &'static str,
         state: &'static str,
-        told: Told,
     ) -> (String, Result<(), Failure>) {
         let server = Server::start(move |request| async move {
             let ended = job.replace("\"state\": \"queued\"", &format!("\"state\": \"{state}\""));
@@ -233,31 +239,31 @@ mod tests {
             }
             let job: Value = serde_json::from_str(job).unwrap();
             let last = request.headers().get("last-event-id").map(|it| it.to_str().unwrap());
-            // Generations that are over are not asked for again.
-            assert_eq!(last, (J::NOUN == "evolution").then_some("0"));
-            let event = serde_json::json!({"id": 0, J::NOUN: job[J::NOUN], "type": "state",
+            // What is over is not asked for again.
+            assert_eq!(last, Some("0"));
+            let event = serde_json::json!({"id": 0, K::NAME: job[K::NAME], "type": "state",
                 "state": state, "progress": job["progress"], "error": null});
-            let later = serde_json::json!({"id": 0, J::NOUN: job[J::NOUN], "type": "of-tomorrow"});
+            let later = serde_json::json!({"id": 0, K::NAME: job[K::NAME], "type": "of-tomorrow"});
             let text = format!("id: 0\ndata: {later}\n\nid: 0\ndata: {event}\n\n");
             answer(StatusCode::OK, "text/event-stream", &text)
         })
         .await;
         let client = Client::new(&server.url).unwrap();
-        let job: J = serde_json::from_str(job).unwrap();
+        let job: Job<K> = serde_json::from_str(job).unwrap();
         let (mut output, written) = Output::kept(true);
-        let watched = watch(&client, &mut output, &job, told);
-        // Who watches for ever fails here rather than hangs.
+        let watched = watch(&client, &mut output, &job);
+        // Watching for ever fails here rather than hangs.
         let ended = tokio::time::timeout(Duration::from_secs(10), watched).await.unwrap();
         let written = written.lock().unwrap();
         (String::from_utf8_lossy(&written).into_owned(), ended)
     }
 
     #[tokio::test]
-    async fn who_cannot_watch_is_told_how_to_come_back() {
+    async fn a_job_that_cannot_be_watched_names_the_command_to_come_back() {
         let client = Client::new("http://127.0.0.1:1").unwrap();
         let evolution: Evolution = serde_json::from_str(EVOLUTION).unwrap();
-        let failed = watch(&client, &mut Output::nowhere(), &evolution, Told::Everything).await;
-        let Err(Failure::Failed(text)) = failed else { panic!("nobody listens there") };
+        let failed = watch(&client, &mut Output::nowhere(), &evolution).await;
+        let Err(Failure::Failed(text)) = failed else { panic!("no server listens there") };
         assert!(text.contains("umwelt evolution watch evolution-12"), "{text}");
     }
 
@@ -269,8 +275,8 @@ mod tests {
             ("cancelled", Some("was cancelled")),
         ] {
             for (_, ended) in [
-                watched::<Evolution>(EVOLUTION, state, Told::Everything).await,
-                watched::<Comparison>(COMPARISON, state, Told::TheEnd).await,
+                watched::<EvolutionKind>(EVOLUTION, state).await,
+                watched::<ComparisonKind>(COMPARISON, state).await,
             ] {
                 match (ended, words) {
                     (Ok(()), None) => {}
@@ -284,15 +290,14 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn json_is_a_line_for_everything_or_the_end_alone() {
-        let lines = |text: &str| -> Vec<Value> {
-            text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-        };
-        let (text, _) = watched::<Evolution>(EVOLUTION, "succeeded", Told::Everything).await;
-        let told: Vec<_> = lines(&text).iter().map(|line| line["state"].clone()).collect();
-        assert_eq!(told, ["queued", "succeeded", "succeeded"], "{text}");
-        let (text, _) = watched::<Comparison>(COMPARISON, "succeeded", Told::TheEnd).await;
-        let comparison: Comparison = serde_json::from_str(&text).unwrap();
-        assert_eq!(comparison.state, State::Succeeded);
+    async fn json_is_a_line_for_the_job_each_event_and_the_end() {
+        for (text, _) in [
+            watched::<EvolutionKind>(EVOLUTION, "succeeded").await,
+            watched::<ComparisonKind>(COMPARISON, "succeeded").await,
+        ] {
+            let lines = text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+            let states: Vec<_> = lines.map(|line| line["state"].clone()).collect();
+            assert_eq!(states, ["queued", "succeeded", "succeeded"], "{text}");
+        }
     }
 }

@@ -6,10 +6,9 @@ use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{self, metres, millimetres, milliseconds, or_unknown, radians};
 use super::table::{Column, Table};
-use super::unreadable::{unreadable, with};
-use crate::client::Client;
+use super::unreadable::with;
+use crate::client::{Client, state_name};
 use clap::{Args, Subcommand};
-use futures_util::TryStreamExt;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -147,12 +146,11 @@ impl Command {
                 output.result(&robot, |robot| format!("{} is described", robot.robot))
             }
             Self::List { state } => {
-                let robots: Vec<Robot> = wait(client.robots(state).try_collect()).await?;
-                if robots.is_empty() {
+                let page: Page = wait(client.whole(state.map(state_name))).await?;
+                if page.robots.is_empty() {
                     say("no robots; add one: umwelt robot add ID");
                 }
-                let unreadable = unreadable(client, "robots", state.is_none()).await?;
-                output.result(&Page { robots, unreadable, next_page_token: None }, list)
+                output.result(&page, list)
             }
             Self::Show { robot } => output.result(&wait(client.get_robot(&robot)).await?, show),
             Self::Remove { robot } => {

@@ -7,7 +7,7 @@ use umwelt_api::RobotId;
 use umwelt_api::problem::Status;
 use umwelt_api::task::{Spec, Stage, Task};
 
-/// Sets the task. The server leaves the very task that the robot has as it is; whoever says it again once the robot has
+/// Sets the task. The server leaves the very task that the robot has as it is; a caller that sets it again once the robot has
 /// arrived, or says `again`, wants to see it driven once more.
 pub(super) async fn assign(
     client: &Client,
@@ -30,7 +30,7 @@ pub(super) async fn assign(
         ));
         return Ok(task);
     }
-    // Only this one: another task that somebody else sets meanwhile is not cancelled.
+    // Only this one: another task that is set meanwhile is not cancelled.
     client.if_match(&task.etag).cancel_task(robot).await?;
     client.set_task(robot, spec).await
 }

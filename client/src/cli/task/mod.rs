@@ -149,7 +149,7 @@ impl Command {
 }
 
 impl Set {
-    /// The file, with the flags on top. Without a file the robot calibrates unless told otherwise.
+    /// The file, with the flags on top. Without a file the robot calibrates unless a flag says otherwise.
     fn spec(&self) -> Result<Spec, Failure> {
         let mut source = "the task".to_owned();
         let mut spec = match &self.file {

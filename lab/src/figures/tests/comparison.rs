@@ -53,7 +53,7 @@ fn logarithmic_ruler(panel: Node<'_, '_>) -> impl Fn(f64) -> f64 {
     move |place| from.1 * (to.1 / from.1).powf((place - from.0) / (to.0 - from.0))
 }
 
-/// The bug to fear: a curve that says how often a value is smaller, or shifted by one trial.
+/// Guards against a curve that says how often a value is smaller, or shifted by one trial.
 #[test]
 fn a_curve_says_how_often_more_is_seen() {
     let svg = draw(Figure::Deviation, 10);

@@ -14,7 +14,7 @@ use std::path::Path;
 use umwelt_api::comparison::{Figure, Request};
 use umwelt_api::prior;
 
-/// Compares methods and writes what came of it to `output`; progress goes to standard error.
+/// Compares methods and writes its result to `output`; progress goes to standard error.
 ///
 /// # Errors
 /// Where the request makes no sense, the comparison breaks off or the result cannot be written.

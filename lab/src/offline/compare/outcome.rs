@@ -1,4 +1,4 @@
-//! What an offline comparison says at its end: in the words of the contract, so that both doors say the same.
+//! What an offline comparison says at its end: in the words of the contract, so that both ways say the same.
 
 use super::Error;
 use crate::comparison::Comparison;
@@ -7,12 +7,12 @@ use crate::wire;
 use serde::Serialize;
 use umwelt_api::comparison::{Report, Request, Spec};
 
-/// What came of an offline comparison.
+/// The result of an offline comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Outcome {
-    /// What it was told, all filled in.
+    /// What was asked for, all filled in.
     pub(super) spec: Spec,
-    /// What came of it: the field `report` of `GET /v1/comparisons/{comparison}`.
+    /// Its result: the field `report` of `GET /v1/comparisons/{comparison}`.
     pub(super) report: Report,
     /// Simulated episodes driven.
     pub(super) episodes: u64,

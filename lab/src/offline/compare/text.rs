@@ -32,7 +32,7 @@ fn write(outcome: &Outcome, text: &mut String) -> std::fmt::Result {
             "", "arrived %", "time s", "90 %", "deviation mm", "90 %"
         )?;
         for Entry { contender, arrived, time_s, deviation_m, .. } in entries {
-            // What nobody reached is no result.
+            // Without an arrival there is no result.
             let known = |text: String| if arrived.mean > 0.0 { text } else { "-".to_owned() };
             writeln!(
                 text,

@@ -11,7 +11,7 @@ use outcome::Outcome;
 use std::io::Write;
 use umwelt_api::evolution::Request;
 
-/// Evolves a prior and writes what came of it to `output`; progress goes to standard error.
+/// Evolves a prior and writes its result to `output`; progress goes to standard error.
 ///
 /// # Errors
 /// Where the request makes no sense, the evolution breaks off or the result cannot be written.

@@ -1,4 +1,4 @@
-//! What an offline evolution says at its end: in the words of the contract, so that both doors say the same.
+//! What an offline evolution says at its end: in the words of the contract, so that both ways say the same.
 
 use super::Error;
 use crate::evolution::Evolution;
@@ -7,12 +7,12 @@ use crate::wire;
 use serde::Serialize;
 use umwelt_api::evolution::{Champion, Entry, Estimate, Preset, Request, Spec};
 
-/// What came of an offline evolution.
+/// The result of an offline evolution.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Outcome {
     /// The preset of which the settings are a change.
     pub(super) preset: Preset,
-    /// What it was told, all filled in.
+    /// What was asked for, all filled in.
     pub(super) spec: Spec,
     /// The seed, which is in the settings too: it is what one repeats it with.
     pub(super) seed: u64,

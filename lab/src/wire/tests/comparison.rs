@@ -3,7 +3,7 @@
 use super::{MAX, pairs, problems, within};
 use crate::comparison as lab;
 use crate::comparison::{ComparisonSettings, Contender, SCENARIOS};
-use crate::wire;
+use crate::wire::{self, Pace};
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
@@ -52,7 +52,7 @@ fn settings() -> impl Strategy<Value = (ComparisonSettings, &'static str)> {
     )
 }
 
-/// What asks for `settings`: what it was told, all filled in, without what the scenario says.
+/// What asks for `settings`: what was asked for, all filled in, without what the scenario says.
 fn asking_for(settings: &ComparisonSettings, prior: &str) -> Value {
     let mut spec = serde_json::to_value(wire::comparison::spec(settings, prior)).unwrap();
     let fields = spec.as_object_mut().unwrap();
@@ -141,7 +141,7 @@ fn what_is_left_out_is_what_the_contract_says() {
         [comparison::DEFAULT_PRIOR, "thesis-20"].map(|name| Prior::built_in(name).unwrap());
     assert_eq!(priors, [(1, one), (20, twenty)]);
     let words = serde_json::to_value(umwelt_api::document()).unwrap();
-    let request = &words["components"]["schemas"]["comparison.Request"]["properties"];
+    let request = &words["components"]["schemas"]["ComparisonRequest"]["properties"];
     assert!(request["trials"]["description"].as_str().unwrap().contains("null for 1000"));
 }
 
@@ -172,7 +172,7 @@ fn a_method_is_all_its_slots_and_a_label_one_of_them() {
     assert_eq!(of(&lab::method_names().collect::<Vec<_>>()), labels(&thesis()));
 }
 
-/// The bug to fear: somebody who mistypes a method compares something else and is not told.
+/// Guards against a mistyped method that compares something else without an error.
 #[test]
 fn methods_that_are_unknown_or_repeated_are_told_with_those_that_there_are() {
     let of = |methods: &[&str]| problems(read(&json!({ "methods": methods })));
@@ -258,8 +258,9 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         Some("thesis")
     );
     let mut lab = lab::Comparison::new(settings).unwrap();
-    let queued = wire::comparison::queued(&lab);
     let total = lab.total_episodes();
+    let pace = Pace { total_episodes: total, ..Pace::default() };
+    let queued = wire::comparison::progress(lab.settings(), None, pace);
     assert_eq!(
         (queued.stage, queued.trials_done, queued.trials),
         (comparison::Stage::Queued, 0, 3)
@@ -267,15 +268,23 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
     assert_eq!((queued.episodes, queued.total_episodes), (0, total));
     let mut stages = Vec::new();
     while lab.report().is_none() {
-        let progress = wire::comparison::progress(&lab, 1.5, Some(f64::INFINITY));
+        let pace = Pace {
+            episodes: lab.episodes(),
+            total_episodes: total,
+            elapsed_s: 1.5,
+            remaining_s: Some(f64::INFINITY),
+        };
+        let progress = wire::comparison::progress(lab.settings(), Some(lab.stage()), pace);
         assert_eq!((progress.episodes, progress.elapsed_s), (lab.episodes(), 1.5));
         assert_eq!(progress.remaining_s, None);
         stages.push(progress.stage.name());
-        let evaluations: Vec<_> = lab.jobs().iter().map(|job| lab.evaluate(job)).collect();
+        let evaluations: Vec<_> =
+            lab.batch().iter().map(|it| lab::Comparison::evaluate(lab.settings(), it)).collect();
         lab.tell(&evaluations).unwrap();
     }
     assert_eq!(stages, ["reference", "trials"]);
-    let done = wire::comparison::progress(&lab, 1.5, Some(0.0));
+    let pace = Pace { episodes: lab.episodes(), remaining_s: Some(0.0), ..pace };
+    let done = wire::comparison::progress(lab.settings(), Some(lab.stage()), pace);
     assert_eq!((done.stage, done.trials_done), (comparison::Stage::Done, 3));
     assert_eq!((done.episodes, done.remaining_s), (total, Some(0.0)));
 
@@ -311,7 +320,7 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
         assert_eq!(wire.deviation_reduction.mean.unwrap().mean, lab.deviation.mean.mean);
         assert_eq!(wire.time_reduction.p90.unwrap().high, lab.time.p90.high);
         assert_eq!((wire.promised_deviation, wire.promised_time), (0.75, 0.35));
-        assert_eq!(wire.verdict, wire.in_words());
+        assert_eq!(*wire, wire::verdict::judged(wire.clone()), "its words are made once");
         let here = report.environments.iter().find(|it| it.environment == lab.environment);
         let arrived = |label: &str| {
             let mut entries = here.unwrap().entries.iter();
@@ -330,7 +339,7 @@ fn what_comes_of_a_comparison_is_told_unchanged() {
     assert_eq!(serde_json::from_str::<comparison::Event>(&json).unwrap(), event);
 }
 
-/// Nobody who stood still has a deviation, and nobody is better than that by a part of it.
+/// A robot that stood still has no deviation, and no other is better than that by a part of it.
 #[test]
 fn a_reduction_of_nothing_is_null() {
     let number = |mean: f64| crate::evolution::Estimate { mean, low: mean, high: mean };

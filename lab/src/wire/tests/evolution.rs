@@ -3,8 +3,8 @@
 use super::{MAX, pairs, problems, within};
 use crate::evolution as lab;
 use crate::evolution::{ENVIRONMENTS, EvolutionSettings, TrainingEnvironment};
-use crate::wire;
 use crate::wire::training::built_in;
+use crate::wire::{self, Pace};
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
 use serde_json::{Value, json};
@@ -218,20 +218,22 @@ fn what_comes_of_an_evolution_is_told_unchanged() {
                       "report_trials": 2, "environments": ["normal"]});
     let (_, settings) = read(&body).unwrap();
     let mut lab = lab::Evolution::new(settings).unwrap();
-    let queued = wire::evolution::queued(&lab);
+    let queued = wire::evolution::progress(lab.settings(), None, None, Pace::default());
     assert_eq!(
         (queued.stage, queued.generation, queued.generations),
         (evolution::Stage::Queued, 0, 2)
     );
     let mut generations = Vec::new();
     while lab.report().is_none() {
-        let evaluations: Vec<_> = lab.jobs().iter().map(|job| lab.evaluate(job)).collect();
+        let evaluations: Vec<_> =
+            lab.batch().iter().map(|it| lab::Evolution::evaluate(lab.settings(), it)).collect();
         generations.extend(lab.tell(&evaluations).unwrap());
         let fitness = generations.last().map(|it| it.fitness);
-        let progress = wire::evolution::progress(&lab, fitness, 1.0, Some(f64::INFINITY));
+        let pace = Pace { remaining_s: Some(f64::INFINITY), ..Pace::default() };
+        let progress = wire::evolution::progress(lab.settings(), Some(lab.stage()), fitness, pace);
         assert_eq!(progress.generation, generations.len() as u64);
         assert_eq!(progress.best_fitness, fitness.map(|it| it.best));
-        assert_eq!((progress.episodes, progress.remaining_s), (lab.episodes(), None));
+        assert_eq!(progress.remaining_s, None);
     }
     let report = lab.report().unwrap();
     let champion = evolution::Champion::from(report);

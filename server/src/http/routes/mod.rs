@@ -1,11 +1,9 @@
 //! What the routes do, one file per resource.
 
-pub(crate) mod comparisons;
 pub(crate) mod control;
 pub(crate) mod environment;
 pub(crate) mod environments;
 pub(crate) mod events;
-pub(crate) mod evolutions;
 pub(crate) mod jobs;
 pub(crate) mod page;
 pub(crate) mod priors;

@@ -15,7 +15,7 @@ use umwelt_lab::comparison::{self, Approach, ComparisonSettings};
 pub(super) const FORM: Form =
     Form { is_within: true, upgrades: UPGRADES, base: include_str!("kept.json") };
 
-/// What a comparison was told.
+/// The settings of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spec {
     scenario: String,

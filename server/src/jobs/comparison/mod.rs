@@ -15,13 +15,13 @@ impl Work for Comparison {
     type Spec = kept::Spec;
     /// The name of the prior of the contender `bayesian`, whose values the settings hold.
     type Own = PriorId;
-    type House = ();
+    type Services = ();
 
     fn spec(settings: &ComparisonSettings) -> kept::Spec {
         settings.into()
     }
 
-    fn settings(spec: &kept::Spec) -> Result<ComparisonSettings, String> {
+    fn settings_of(spec: &kept::Spec) -> Result<ComparisonSettings, String> {
         spec.convert()
     }
 }

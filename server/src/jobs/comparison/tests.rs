@@ -4,7 +4,7 @@ use super::*;
 use crate::jobs::{Checkpoint, PART, Record, Unusable, part_body, read_part};
 use crate::store::document::tests::{golden, one_field_less};
 use umwelt_lab::comparison::{Distribution, Evaluation, SCENARIOS, STATE_VERSION, Stage};
-use umwelt_lab::work::{Told, Work as _};
+use umwelt_lab::work::BatchOutcome;
 
 type Kept = Checkpoint<Comparison>;
 
@@ -15,14 +15,14 @@ fn begun() -> Comparison {
 }
 
 /// Tells a batch: some of it driven, and again and again the same.
-fn tell(work: &mut Comparison, seen: &mut Vec<Evaluation>) -> Told<Comparison> {
+fn tell(work: &mut Comparison, seen: &mut Vec<Evaluation>) -> BatchOutcome<Comparison> {
     let batch = work.batch();
-    seen.extend(batch.iter().take(7).map(|job| work.evaluate(job)));
+    seen.extend(batch.iter().take(7).map(|it| Comparison::evaluate(work.settings(), it)));
     let evaluations: Vec<_> = seen.iter().cycle().take(batch.len()).copied().collect();
     umwelt_lab::work::Work::tell(work, &evaluations).unwrap()
 }
 
-/// The bug to fear: trials that come back rounded or not at all, so that a restart changes the report.
+/// Guards against trials that come back rounded or not at all, so that a restart changes the report.
 #[test]
 fn a_comparison_comes_back_bit_for_bit_at_every_stage() {
     let (mut work, mut stages, mut seen) = (begun(), Vec::new(), Vec::new());
@@ -33,18 +33,18 @@ fn a_comparison_comes_back_bit_for_bit_at_every_stage() {
         let read = Kept::read(&body, checkpoint.work.settings()).unwrap();
         assert_eq!(read, checkpoint);
         work = read.work;
-        let told = tell(&mut work, &mut seen);
+        let outcome = tell(&mut work, &mut seen);
         // Nothing is kept before the end, and then everything.
-        let indices: Vec<_> = told.parts.iter().map(|(index, _)| *index).collect();
+        let indices: Vec<_> = outcome.parts.iter().map(|(index, _)| *index).collect();
         let expected = if work.report().is_some() { 0..4 } else { 0..0 };
         assert_eq!(indices, expected.collect::<Vec<_>>());
-        assert!(told.parts.iter().all(|(_, part)| part.trials.len() == 600));
+        assert!(outcome.parts.iter().all(|(_, part)| part.trials.len() == 600));
     }
     let trials = |done| Stage::Trials { done };
     assert_eq!(stages, [Stage::Reference, trials(0), trials(500)]);
 }
 
-/// The bug to fear: a state of tomorrow's program read as if it were today's.
+/// Guards against a state of tomorrow's program read as if it were today's.
 #[test]
 fn a_state_of_another_version_is_not_taken_up() {
     let body = Checkpoint { work: begun(), latest: None, elapsed: 0.0 }.body().unwrap();
@@ -69,7 +69,7 @@ fn records_of_every_version_mean_what_they_meant() {
     };
     golden(&kept::FORM, "jobs/comparison/golden/least", 2, Record::read, write);
     let newest = golden(&kept::FORM, "jobs/comparison/golden/record", 2, Record::read, write);
-    // A contender and an environment have no name but their own; what came of it has no other meaning.
+    // A contender and an environment have no name but their own; its result has no other meaning.
     let essential = [
         "state",
         "settings",

@@ -2,14 +2,14 @@
 //!
 //! Invariant: no two evolutions that have not ended give their champions the same name, and none that of a prior.
 
-use crate::jobs::{Gift, Jobs, Record};
+use crate::jobs::{Jobs, SuccessEffect};
 use crate::library::priors::{Named, Priors};
 use crate::resource::failure::{self, Failure};
 use crate::store::{Change, JobId};
 use umwelt_api::prior::Source;
 use umwelt_api::problem::{Detail, Status, reason};
 use umwelt_api::{EvolutionId, PriorId};
-use umwelt_lab::evolution::Evolution;
+use umwelt_lab::evolution::{Evolution, EvolutionSettings, Report};
 
 /// The evolution that has not ended and will give its champion this name.
 pub(crate) fn claimant(evolutions: &Jobs<Evolution>, name: &PriorId) -> Option<JobId> {
@@ -57,16 +57,21 @@ fn check_free(
 }
 
 /// The prior that the champion becomes.
-pub(super) fn gift(priors: &Priors, id: JobId, record: &Record<Evolution>) -> Option<Gift> {
-    let report = record.report.as_ref()?;
+pub(super) fn success_effect(
+    priors: &Priors,
+    id: JobId,
+    name: &PriorId,
+    settings: &EvolutionSettings,
+    report: &Report,
+) -> Option<SuccessEffect> {
     let source = Source::Evolution {
         evolution: EvolutionId::numbered(id.number),
-        seed: record.settings.seed,
-        optimizer: record.settings.optimizer.into(),
+        seed: settings.seed,
+        optimizer: settings.optimizer.into(),
         fitness: report.entries.first().map(|champion| champion.fitness.mean),
     };
-    let named = Named { id: record.own.clone(), prior: report.champion, note: None, source };
+    let named = Named { id: name.clone(), prior: report.champion, note: None, source };
     let change = Change::PutPrior(named.stored()?);
     let priors = priors.clone();
-    Some(Gift { change, show: Box::new(move || priors.all().insert(named.clone())) })
+    Some(SuccessEffect { change, publish: Box::new(move || priors.all().insert(named.clone())) })
 }

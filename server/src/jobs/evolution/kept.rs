@@ -11,7 +11,7 @@ use umwelt_lab::evolution::{EvolutionSettings, FitnessLimits, GeneticSettings};
 pub(super) const FORM: Form =
     Form { is_within: true, upgrades: UPGRADES, base: include_str!("kept.json") };
 
-/// What an evolution was told.
+/// The settings of an evolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spec {
     environments: Vec<Environment>,

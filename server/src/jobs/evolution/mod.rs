@@ -6,12 +6,12 @@ mod wire;
 
 pub(crate) use champion::{claim, claimant};
 
-use crate::jobs::{Gift, Record, Work};
+use crate::jobs::{SuccessEffect, Work};
 use crate::library::priors::Priors;
 use crate::store::document::Form;
 use crate::store::{JobId, JobKind};
 use umwelt_api::PriorId;
-use umwelt_lab::evolution::{Evolution, EvolutionSettings};
+use umwelt_lab::evolution::{Evolution, EvolutionSettings, Report};
 
 impl Work for Evolution {
     const KIND: JobKind = JobKind::Evolution;
@@ -19,18 +19,24 @@ impl Work for Evolution {
     type Spec = kept::Spec;
     /// The name that the champion gets.
     type Own = PriorId;
-    type House = Priors;
+    type Services = Priors;
 
     fn spec(settings: &EvolutionSettings) -> kept::Spec {
         settings.into()
     }
 
-    fn settings(spec: &kept::Spec) -> Result<EvolutionSettings, String> {
+    fn settings_of(spec: &kept::Spec) -> Result<EvolutionSettings, String> {
         spec.convert()
     }
 
-    fn gift(priors: &Priors, id: JobId, record: &Record<Self>) -> Option<Gift> {
-        champion::gift(priors, id, record)
+    fn success_effect(
+        priors: &Priors,
+        id: JobId,
+        name: &PriorId,
+        settings: &EvolutionSettings,
+        report: &Report,
+    ) -> Option<SuccessEffect> {
+        champion::success_effect(priors, id, name, settings, report)
     }
 }
 

@@ -1,11 +1,10 @@
 //! What is kept of evolutions.
 
 use super::*;
-use crate::jobs::{CHECKPOINT, Checkpoint, PART, State, Unusable, part_body, read_part};
+use crate::jobs::{CHECKPOINT, Checkpoint, PART, Record, State, Unusable, part_body, read_part};
 use crate::store::document::Unreadable;
 use crate::store::document::tests::{golden, one_field_less};
 use umwelt_lab::evolution::{Generation, STATE_VERSION, Spread};
-use umwelt_lab::work::Work as _;
 
 type Kept = Checkpoint<Evolution>;
 
@@ -26,7 +25,7 @@ fn a_checkpoint_comes_back_bit_for_bit() {
     assert_eq!(read(&checkpoint.body().unwrap()), Ok(checkpoint));
 }
 
-/// The bug to fear: a state of tomorrow's program read as if it were today's.
+/// Guards against a state of tomorrow's program read as if it were today's.
 #[test]
 fn another_version_is_told_from_damage() {
     let of_state = |found| Err(Unusable::State { found, current: STATE_VERSION });
@@ -54,7 +53,7 @@ fn another_version_is_told_from_damage() {
     }
 }
 
-/// The bug to fear: JSON has no infinity, so what was acknowledged could never be read again.
+/// Guards against an infinity, which JSON has not, so that what was acknowledged could never be read again.
 #[test]
 fn a_record_that_would_not_be_read_back_is_refused() {
     let checkpoint = checkpoint();
@@ -87,7 +86,7 @@ fn records_of_every_version_mean_what_they_meant() {
         golden(&kept::FORM, &format!("jobs/evolution/golden/{name}"), 2, Record::read, write);
     }
     let newest = golden(&kept::FORM, "jobs/evolution/golden/record", 1, Record::read, write);
-    // Nothing else says where a job stands, what its champion is called, or what came of it.
+    // Nothing else says where a job stands, what its champion is called, or its result.
     let essential = [
         "state",
         "own",

@@ -1,6 +1,6 @@
 //! What happens to a job, as server-sent events.
 //!
-//! Invariants: nothing is told that is not kept; no state counts anything that was not told before it, and the state in
+//! Invariants: nothing is sent that is not kept; no state counts anything that was not sent before it, and the state in
 //! which the job has ended is the last event; the id of an event is the same after a restart, so a stream resumes where
 //! it was.
 
@@ -21,8 +21,9 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
+use umwelt_api::job::{JobEvent, JobNews};
 
-/// How often the state is told while nothing but time passes.
+/// How often the state is sent while nothing but time passes.
 const TICK: Duration = Duration::from_secs(2);
 
 pub(crate) async fn events<W: Resource>(
@@ -31,14 +32,14 @@ pub(crate) async fn events<W: Resource>(
     peer: Peer,
     headers: HeaderMap,
 ) -> Result {
-    let told = last_event_id(&headers)?.unwrap_or(0);
+    let last = last_event_id(&headers)?.unwrap_or(0);
     let permit = app.streams.follow(peer)?;
     let follower = Follower {
         shown: job.follow(),
         closing: app.closing.subscribe(),
         app,
         job,
-        told,
+        last,
         ready: VecDeque::new(),
         is_state_due: true,
         is_over: false,
@@ -51,16 +52,16 @@ pub(crate) async fn events<W: Resource>(
     Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response())
 }
 
-/// Somebody who follows a job.
+/// One stream of a job.
 struct Follower<W: Resource> {
     app: App,
     job: Arc<Job<W>>,
     shown: watch::Receiver<Shown<W>>,
     closing: watch::Receiver<bool>,
-    /// What has been told, beside states.
-    told: u64,
+    /// Id of the last event that was sent, beside states.
+    last: u64,
     ready: VecDeque<sse::Event>,
-    /// Whether the state is to be told once the news are.
+    /// Whether the state is to be sent once the events before it are.
     is_state_due: bool,
     is_over: bool,
     _permit: Stream,
@@ -77,18 +78,18 @@ impl<W: Resource> Follower<W> {
                 return None;
             }
             let shown = self.shown.borrow_and_update().clone();
-            // None where they cannot be had: the follower will ask again for them.
-            let news = W::news(&self.app, &self.job, &shown, self.told).await?;
-            if !news.is_empty() {
-                for (told, event) in news {
-                    self.told = told;
-                    self.tell(event);
+            // None where they cannot be had: the client will ask again for them.
+            let before = W::events_after(&self.app, &self.job, &shown, self.last).await?;
+            if !before.is_empty() {
+                for event in before {
+                    self.last = event.id;
+                    self.send(&event, true);
                 }
                 self.is_state_due = true;
             } else if self.is_state_due {
                 self.is_state_due = false;
                 self.is_over = shown.has_ended() || shown.removed;
-                self.tell(W::event(&self.job, &shown));
+                self.send(&self.job.event(&shown), W::STATES_HAVE_IDS);
             } else {
                 tokio::select! {
                     changed = self.shown.changed() => changed.ok()?,
@@ -101,11 +102,16 @@ impl<W: Resource> Follower<W> {
     }
 
     /// Makes an event ready.
-    fn tell(&mut self, event: Result<sse::Event, axum::Error>) {
-        match event {
+    fn send(&mut self, event: &JobEvent<W::Kind>, has_id: bool) {
+        let mut written = sse::Event::default().event(event.kind.name());
+        if has_id {
+            written = written.id(event.id.to_string());
+        }
+        match written.json_data(event) {
             Ok(event) => self.ready.push_back(event),
             Err(error) => {
-                tracing::error!(job = %self.job.id(), %error, "an event could not be written");
+                let (job, kind) = (self.job.id(), W::KIND.name());
+                tracing::error!(%job, kind, %error, "cannot write job event");
             }
         }
     }

@@ -1,6 +1,9 @@
-//! What all kinds of jobs have in common: shown, listed, cancelled, removed, followed.
+//! Jobs: submitted, shown, listed, cancelled, removed and followed by the same routes whatever their kind. What a kind alone
+//! has stands in [`evolution`] and [`comparison`].
 
+pub(crate) mod comparison;
 mod events;
+pub(crate) mod evolution;
 mod named;
 mod resource;
 
@@ -13,36 +16,78 @@ use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents;
-use crate::jobs::{Job, Submitting, Work, read_part};
+use crate::http::extract::Json;
+use crate::jobs::{Job, Jobs, OnWire, Submission, Work, read_part};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::{self, Failure};
 use crate::store::{JobId, Kind, Part};
-use axum::extract::State;
+use axum::extract::{FromRequest, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::Response;
 use named::Name;
-use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::sync::Arc;
 use umwelt_api::IdempotencyKey;
+use umwelt_api::body::Body;
+use umwelt_api::job::{JobKind, JobPage};
 use umwelt_api::problem::{Detail, Problems, Status, reason};
 
+/// What one sends to submit a job.
+type Asked<W> = <<W as OnWire>::Kind as JobKind>::Request;
+
+/// Submits a job.
+pub(crate) async fn submit<W: Resource>(
+    State(app): State<App>,
+    State(jobs): State<Jobs<W>>,
+    request: Request,
+) -> Result {
+    let key = idempotency_key(request.headers());
+    let Json { bytes, .. } = Json::<Asked<W>>::from_request(request, &app).await?;
+    let key = key?;
+    to_the_end(async move {
+        let _names = W::names(&app).await;
+        let mut submitting = jobs.submitting().await;
+        if let (Some(key), Ok(request)) = (key.as_ref(), Asked::<W>::read(&bytes))
+            && let Some(job) = submitting.repeated(key, &etag::of(&request))?
+        {
+            return Ok(submitted(StatusCode::OK, &job));
+        }
+        // Names stand for what they stand for now.
+        let (request, settings) = W::read(&app, &bytes)?;
+        let submission = Submission { settings, key, request: etag::of(&request).to_string() };
+        let own = |next| W::own(&app, &jobs, &request, next);
+        let job = submitting.submit(submission, own).await?;
+        Ok(submitted(StatusCode::CREATED, &job))
+    })
+    .await
+}
+
+/// A job that was submitted, now or before.
+fn submitted<W: Resource>(code: StatusCode, job: &Job<W>) -> Response {
+    let mut response = answer::json(code, &job.on_wire());
+    let location = format!("/v1/{}/{}", W::Kind::LIST, job.id());
+    if let Ok(location) = HeaderValue::from_str(&location) {
+        response.headers_mut().insert(header::LOCATION, location);
+    }
+    response
+}
+
 pub(crate) async fn get<W: Resource>(Named(job): Named<W>) -> Response {
-    answer::json(StatusCode::OK, &W::wire(&job))
+    answer::json(StatusCode::OK, &job.on_wire())
 }
 
 pub(crate) async fn list<W: Resource>(
     State(app): State<App>,
+    State(jobs): State<Jobs<W>>,
     query: Query<page::Jobs<W>>,
 ) -> Response {
-    let jobs = W::jobs(&app).below(query.after).into_iter();
+    let all = jobs.below(query.after).into_iter();
     let is_listed = |job: &Arc<Job<W>>| query.state.is_none_or(|state| state == job.state().into());
-    let found = jobs.filter(is_listed).take(query.size + 1).collect();
+    let found = all.filter(is_listed).take(query.size + 1).collect();
     let (page, next_page_token) =
         page::cut(found, query.size, |job: &Arc<Job<W>>| job.id().number.to_string());
-    let jobs = page.iter().map(|job| W::listed(job)).collect();
     let last = next_page_token.as_ref().and_then(|last| last.parse::<u64>().ok());
     let is_listed = |name: &str| {
         let number = name.rsplit('-').next().and_then(|number| number.parse::<u64>().ok());
@@ -52,20 +97,29 @@ pub(crate) async fn list<W: Resource>(
     };
     let is_whole = query.state.is_none();
     let unreadable = app.unreadable.page(Kind::Job(W::KIND), |name| is_whole && is_listed(name));
-    answer::json(StatusCode::OK, &W::page(jobs, unreadable, next_page_token))
+    let jobs = page.iter().map(|job| job.listed()).collect();
+    let page = JobPage::<W::Kind> { jobs, unreadable, next_page_token };
+    answer::json(StatusCode::OK, &page)
 }
 
-pub(crate) async fn cancel<W: Resource>(State(app): State<App>, Named(job): Named<W>) -> Result {
+pub(crate) async fn cancel<W: Resource>(
+    State(jobs): State<Jobs<W>>,
+    Named(job): Named<W>,
+) -> Result {
     to_the_end(async move {
-        W::jobs(&app).cancel(&job).await?;
-        Ok(answer::json(StatusCode::OK, &W::wire(&job)))
+        jobs.cancel(&job).await?;
+        Ok(answer::json(StatusCode::OK, &job.on_wire()))
     })
     .await
 }
 
-pub(crate) async fn delete<W: Resource>(State(app): State<App>, Name(id): Name<W>) -> Result {
+pub(crate) async fn delete<W: Resource>(
+    State(app): State<App>,
+    State(jobs): State<Jobs<W>>,
+    Name(id): Name<W>,
+) -> Result {
     to_the_end(async move {
-        let (jobs, kind, name) = (W::jobs(&app), Kind::Job(W::KIND), id.as_ref());
+        let (kind, name) = (Kind::Job(W::KIND), id.as_ref());
         if let Some(job) = jobs.find(name) {
             jobs.delete(&job).await?;
             return Ok(answer::nothing());
@@ -78,15 +132,6 @@ pub(crate) async fn delete<W: Resource>(State(app): State<App>, Name(id): Name<W
         Ok(answer::nothing())
     })
     .await
-}
-
-/// A job that was submitted, now or before.
-pub(super) fn submitted<W: Resource>(code: StatusCode, job: &Job<W>) -> Response {
-    let mut response = answer::json(code, &W::wire(job));
-    if let Ok(location) = HeaderValue::from_str(&format!("/v1/{}s/{}", W::KIND, job.id())) {
-        response.headers_mut().insert(header::LOCATION, location);
-    }
-    response
 }
 
 /// What `of` makes of the parts that are kept, from index `from` on, at most `limit`; off the async threads, since there
@@ -154,19 +199,8 @@ pub(super) fn figure<F>(
     })
 }
 
-/// The job that was submitted before with this key and request, if any.
-pub(super) fn repeated<W: Resource>(
-    submitting: &Submitting<'_, W>,
-    key: Option<&IdempotencyKey>,
-    request: Result<impl Serialize, Problems>,
-) -> Result<Option<Response>, Failure> {
-    let (Some(key), Ok(request)) = (key, request) else { return Ok(None) };
-    let job = submitting.repeated(key, &etag::of(&request))?;
-    Ok(job.map(|job| submitted(StatusCode::OK, &job)))
-}
-
 /// The key under which something is submitted.
-pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<IdempotencyKey>, Failure> {
+fn idempotency_key(headers: &HeaderMap) -> Result<Option<IdempotencyKey>, Failure> {
     let mut values = headers.get_all(IdempotencyKey::HEADER).iter();
     let Some(value) = values.next() else { return Ok(None) };
     if values.next().is_some() {
@@ -176,3 +210,6 @@ pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<Option<IdempotencyK
     let key = String::from_utf8_lossy(value.as_bytes()).parse::<IdempotencyKey>();
     Ok(Some(key.map_err(Problems::from)?))
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,52 +1,50 @@
 //! A kind of job as HTTP has it.
 
 use crate::http::app::App;
-use crate::jobs::{Job, Jobs, Shown, Work};
-use axum::response::sse;
-use serde::Serialize;
-use std::str::FromStr;
-use umwelt_api::InvalidId;
-use umwelt_api::page::Unreadable;
+use crate::jobs::{Job, Jobs, OnWire, Shown};
+use crate::resource::failure::Failure;
+use tokio::sync::OwnedRwLockWriteGuard;
+use umwelt_api::Checked;
+use umwelt_api::Problems;
+use umwelt_api::job::{JobEvent, JobKind};
 
-/// A kind of job as the wire has it.
-pub(crate) trait Resource: Work {
-    /// What names one.
-    type Id: FromStr<Err = InvalidId> + AsRef<str> + Send;
-    /// A job.
-    type Wire: Serialize;
+/// A kind of job as HTTP has it: how one is submitted, and what its event stream has.
+pub(crate) trait Resource: OnWire {
+    /// Whether a state has an id in the event stream. One that has would be resumed behind it.
+    const STATES_HAVE_IDS: bool = true;
 
-    /// All of the kind.
-    fn jobs(app: &App) -> &Jobs<Self>;
-
-    /// As the wire has it.
-    fn wire(job: &Job<Self>) -> Self::Wire;
-
-    /// The same in a list.
-    fn listed(job: &Job<Self>) -> Self::Wire {
-        Self::wire(job)
+    /// Held while a job is submitted, so that the names that it takes stay free.
+    fn names(_app: &App) -> impl Future<Output = Option<OwnedRwLockWriteGuard<()>>> + Send {
+        std::future::ready(None)
     }
 
-    /// A page of a list.
-    fn page(
-        jobs: Vec<Self::Wire>,
-        unreadable: Vec<Unreadable>,
-        next_page_token: Option<String>,
-    ) -> impl Serialize;
-
-    /// Where it stands, as an event.
+    /// Reads the body of a request where it is known what names stand for: the request, and what is to be run.
     ///
     /// # Errors
-    /// Where it cannot be written.
-    fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error>;
+    /// Every problem of it.
+    fn read(
+        app: &App,
+        body: &[u8],
+    ) -> Result<(Checked<<Self::Kind as JobKind>::Request>, Self::Settings), Problems>;
 
-    /// What is to be told before that to somebody who was told `told`, each with what has been told then; none where it
-    /// cannot be had.
-    fn news(
+    /// A number from `next` on for a new job, and what is its own.
+    ///
+    /// # Errors
+    /// Where a name that it is to have is taken.
+    fn own(
+        app: &App,
+        jobs: &Jobs<Self>,
+        request: &<Self::Kind as JobKind>::Request,
+        next: u64,
+    ) -> Result<(u64, Self::Own), Failure>;
+
+    /// Events that a stream has before the state, behind the one of the id `last`; none where they cannot be had.
+    fn events_after(
         _app: &App,
         _job: &Job<Self>,
         _shown: &Shown<Self>,
-        _told: u64,
-    ) -> impl Future<Output = Option<Vec<(u64, Result<sse::Event, axum::Error>)>>> + Send {
+        _last: u64,
+    ) -> impl Future<Output = Option<Vec<JobEvent<Self::Kind>>>> + Send {
         std::future::ready(Some(Vec::new()))
     }
 }

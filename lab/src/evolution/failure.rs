@@ -1,18 +1,18 @@
 //! When an evolution cannot give a prior: its environments cannot be driven, or not within its limits.
 //!
-//! Where nobody has any fitness there is nothing to select by: a champion would be drawn at random.
+//! Where no individual has any fitness there is nothing to select by: a champion would be drawn at random.
 
 use super::environment::TrainingEnvironment;
 use serde::{Deserialize, Serialize};
 
-/// Generations in which nobody may arrive before an evolution gives up. Each is drawn as blindly as the one before,
+/// Generations without any arrival after which an evolution gives up. Each is drawn as blindly as the one before,
 /// so that a fourth would find nothing that three and the reference have not found.
-pub const HOPELESS_GENERATIONS: usize = 3;
+pub const GENERATIONS_WITHOUT_ARRIVAL: usize = 3;
 
 /// Why an evolution gives no prior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(rename_all = "kebab-case")]
-pub enum Hopeless {
+pub enum Failure {
     /// No robot has arrived in any episode so far.
     #[error(
         "nobody arrives in {environments}: in none of {episodes} episodes, by the fixed model and by every individual so \

@@ -1,53 +1,23 @@
-//! Comparisons: submitted, their trials, and what is theirs alone of what all jobs have.
+//! What comparisons alone have: figures, trials and a report for people.
 
-use super::jobs::{
-    Made, Named, Resource, figure as figure_of, idempotency_key, repeated, submitted,
-};
+use super::{Made, Named, Resource, figure as figure_of};
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents::Name;
-use crate::http::extract::Json;
-use crate::jobs::{Job, Jobs, Shown, Submission};
-use crate::resource::change::to_the_end;
-use crate::resource::etag;
+use crate::jobs::{Job, Jobs};
 use crate::resource::failure::{self, Failure};
 use axum::extract::{Path, State};
-use axum::http::{HeaderMap, StatusCode};
-use axum::response::sse;
-use serde::Serialize;
+use axum::http::HeaderMap;
 use std::collections::HashMap;
 use std::convert::Infallible;
 use std::sync::Arc;
-use umwelt_api::ComparisonId;
-use umwelt_api::comparison::{self, Figure, Page, Request};
-use umwelt_api::page::Unreadable;
-use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_lab::comparison::{Comparison, Distribution};
+use umwelt_api::comparison::{self, Figure, Request};
+use umwelt_api::problem::{Detail, Problems, Status, reason};
+use umwelt_api::{Checked, PriorId};
+use umwelt_lab::comparison::{Comparison, ComparisonSettings, Distribution};
 use umwelt_lab::figures::comparison::svg;
 use umwelt_lab::wire;
 use umwelt_lab::{csv, report};
-
-pub(crate) async fn submit(
-    State(app): State<App>,
-    headers: HeaderMap,
-    body: Json<Request>,
-) -> Result {
-    let key = idempotency_key(&headers)?;
-    to_the_end(async move {
-        let mut submitting = app.comparisons.submitting().await;
-        if let Some(answer) = repeated(&submitting, key.as_ref(), Request::read(&body.bytes))? {
-            return Ok(answer);
-        }
-        // It takes the prior as it is now.
-        let (request, settings) =
-            wire::comparison::read(&body.bytes, |name| app.priors.known(name))?;
-        let prior = request.prior_name().parse()?;
-        let submission = Submission { settings, key, request: etag::of(&request).to_string() };
-        let job = submitting.submit(submission, |number| Ok((number, prior))).await?;
-        Ok(submitted(StatusCode::CREATED, &job))
-    })
-    .await
-}
 
 pub(crate) async fn figure(
     State(app): State<App>,
@@ -122,34 +92,16 @@ fn succeeded(job: &Job<Comparison>) -> Result<(), Failure> {
 }
 
 impl Resource for Comparison {
-    type Id = ComparisonId;
-    type Wire = comparison::Comparison;
-
-    fn jobs(app: &App) -> &Jobs<Self> {
-        &app.comparisons
+    fn read(app: &App, body: &[u8]) -> Result<(Checked<Request>, ComparisonSettings), Problems> {
+        wire::comparison::read(body, |name| app.priors.known(name))
     }
 
-    fn wire(job: &Job<Self>) -> comparison::Comparison {
-        job.comparison()
-    }
-
-    /// A list of reports would have some MB.
-    fn listed(job: &Job<Self>) -> comparison::Comparison {
-        comparison::Comparison { report: None, ..job.comparison() }
-    }
-
-    fn page(
-        comparisons: Vec<comparison::Comparison>,
-        unreadable: Vec<Unreadable>,
-        next_page_token: Option<String>,
-    ) -> impl Serialize {
-        Page { comparisons, unreadable, next_page_token }
-    }
-
-    /// The id of an event is the number of trials that every contender has driven.
-    fn event(job: &Job<Self>, shown: &Shown<Self>) -> Result<sse::Event, axum::Error> {
-        let event = job.event(shown);
-        let written = sse::Event::default().event(event.kind.name()).id(event.id.to_string());
-        written.json_data(&event)
+    fn own(
+        _: &App,
+        _: &Jobs<Self>,
+        request: &Request,
+        next: u64,
+    ) -> Result<(u64, PriorId), Failure> {
+        Ok((next, request.prior_name().parse()?))
     }
 }
