@@ -118,7 +118,7 @@ const ROBOT: [(&str, &str); 38] = [
     ),
     (
         "prior.forward",
-        "Mean below 0: the robot is expected to fall short, so it is told to go farther.",
+        "Mean below 0: the robot is expected to fall short, so it is commanded to go farther.",
     ),
     ("prior.lateral", "A wide one slows the robot down without improving its aim."),
     ("prior.turn", "As `forward`, for turns."),

@@ -45,7 +45,7 @@ pub fn bodies(document: &Value) -> Vec<Body<'_>> {
 
 /// The whole page.
 pub fn page(document: &Value) -> String {
-    let mut page = Page { document, text: FRONT.to_owned(), told: BTreeMap::new() };
+    let mut page = Page { document, text: FRONT.to_owned(), described: BTreeMap::new() };
     for body in bodies(document) {
         page.section(&body);
     }
@@ -54,7 +54,7 @@ pub fn page(document: &Value) -> String {
 
 /// The fields of the body of `operation` by their paths.
 pub fn fields(document: &Value, operation: &str) -> BTreeSet<String> {
-    let page = Page { document, text: String::new(), told: BTreeMap::new() };
+    let page = Page { document, text: String::new(), described: BTreeMap::new() };
     let mut found = BTreeSet::new();
     for body in bodies(document).iter().filter(|body| body.operation == operation) {
         let mut open = page.objects(body.schema, "");
@@ -76,7 +76,7 @@ struct Page<'a> {
     document: &'a Value,
     text: String,
     /// Where the table of a schema stands: the heading of its section and its path.
-    told: BTreeMap<String, String>,
+    described: BTreeMap<String, String>,
 }
 
 /// An object in a body.
@@ -109,13 +109,13 @@ impl<'a> Page<'a> {
         if !at.is_empty() {
             writeln!(self.text, "\n### `{at}`").expect("a string");
         }
-        if let Some(earlier) = reference.as_ref().and_then(|name| self.told.get(name)) {
+        if let Some(earlier) = reference.as_ref().and_then(|name| self.described.get(name)) {
             writeln!(self.text, "\n{about} Fields as in {earlier}.").expect("a string");
             return Vec::new();
         }
         if let Some(name) = reference {
             let place = if at.is_empty() { operation } else { at };
-            self.told.insert(name.clone(), format!("`{place}`"));
+            self.described.insert(name.clone(), format!("`{place}`"));
         }
         self.text.push_str(&format!("\n{about}\n\n"));
         self.text.push_str(
@@ -189,9 +189,9 @@ impl<'a> Page<'a> {
         match &property["default"] {
             _ if required => "required".to_owned(),
             Value::Object(fields) => {
-                let told_below =
+                let is_below =
                     fields.len() > MOST_IN_A_CELL || fields.values().any(Value::is_object);
-                if told_below { "below".to_owned() } else { plain(fields) }
+                if is_below { "below".to_owned() } else { plain(fields) }
             }
             Value::Null if property.get("default").is_some() => "null".to_owned(),
             Value::Null if is_object => "none".to_owned(),
