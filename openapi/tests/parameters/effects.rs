@@ -25,7 +25,7 @@ pub fn effect(body: &str, field: &str) -> &'static str {
     fields.find(|(name, _)| *name == field).map_or("", |(_, effect)| effect)
 }
 
-const ROBOT: [(&str, &str); 38] = [
+const ROBOT: [(&str, &str); 37] = [
     (
         "attribution",
         "`sent`: a late packet shows as slip and widens the belief about the floor. `played`: floor and link are told apart.",
@@ -118,11 +118,10 @@ const ROBOT: [(&str, &str); 38] = [
     ),
     (
         "prior.forward",
-        "Mean below 0: the robot is expected to fall short, so it is commanded to go farther.",
+        "Mean below 0: the robot is expected to fall short, so it drives for longer.",
     ),
     ("prior.lateral", "A wide one slows the robot down without improving its aim."),
     ("prior.turn", "As `forward`, for turns."),
-    ("prior.drift", "Used where `drift` is on."),
     ("prior.drift.k", "Larger: samples move the mean less."),
     ("prior.drift.mu", "Beyond -0.7 and 0.5 a learned mean is clamped."),
     (
