@@ -90,6 +90,23 @@ fn is_example(path: &str) -> bool {
 }
 
 #[test]
+fn every_path_that_contributors_are_sent_to_exists() {
+    let code = page("CONTRIBUTING.md").code;
+    // A file or a folder from the root on; not a command, a pattern or a name beside another file.
+    let is_path = |code: &str| {
+        code.contains('/')
+            && !code.contains([' ', '*'])
+            && [".rs", ".md", ".json", "/"].iter().any(|ending| code.ends_with(ending))
+            && code != "name/mod.rs"
+    };
+    let paths: Vec<_> = code.iter().filter(|code| is_path(code)).collect();
+    assert!(paths.len() > 30, "{paths:?}");
+    for path in paths {
+        assert!(tree::root().join(path).exists(), "CONTRIBUTING.md names {path}: it is not there");
+    }
+}
+
+#[test]
 fn every_page_of_the_documentation_is_in_its_index() {
     let links: BTreeSet<String> = page(INDEX).links.into_iter().collect();
     for path in tree::files("md") {

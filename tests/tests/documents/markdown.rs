@@ -17,6 +17,8 @@ pub struct Page {
     /// Anchors of the headings, as the web shows them.
     pub anchors: BTreeSet<String>,
     pub fences: Vec<Fence>,
+    /// What stands between backticks.
+    pub code: Vec<String>,
     /// The first cell of each row of a table.
     pub first_cells: Vec<String>,
 }
@@ -59,7 +61,10 @@ impl Page {
         if let Some(row) = line.strip_prefix('|') {
             self.first_cells.push(row.split('|').next().unwrap_or_default().trim().to_owned());
         }
-        self.links.extend(links(&without_code(line)));
+        let (text, code): (Vec<_>, Vec<_>) =
+            line.split('`').enumerate().partition(|(place, _)| place % 2 == 0);
+        self.code.extend(code.into_iter().map(|(_, code)| code.to_owned()));
+        self.links.extend(links(&text.into_iter().map(|(_, text)| text).collect::<String>()));
     }
 }
 
@@ -69,11 +74,6 @@ fn links(line: &str) -> Vec<String> {
     let inline = inline.filter_map(|(target, _)| target.split_whitespace().next());
     let pictures = line.split("src=\"").skip(1).filter_map(|rest| rest.split_once('"'));
     inline.chain(pictures.map(|(target, _)| target)).map(str::to_owned).collect()
-}
-
-/// `line` with what stands between backticks left out.
-fn without_code(line: &str) -> String {
-    line.split('`').step_by(2).collect::<Vec<_>>().join("")
 }
 
 /// The anchor of a heading: small letters, digits, hyphens and underscores; a hyphen for each space.
@@ -97,6 +97,7 @@ fn what_a_page_has() {
         page.anchors.iter().map(String::as_str).collect::<Vec<_>>(),
         ["a", "a-1", "put-v1-a-b"]
     );
+    assert_eq!(page.code, ["PUT /v1", "[no](b.md)"]);
     assert_eq!((page.fences.len(), page.fences[0].language.as_str()), (1, "sh"));
     assert_eq!(page.first_cells, ["eq. 1"]);
 }
