@@ -6,17 +6,23 @@
 //!
 //! It has three parts, each of which uses those before it:
 //!
-//! * **The robot's side**: [`exchange`] says which request to send when, [`actuation`] what to play of the replies, within
-//!   what the robot itself allows ([`local`]). Below them [`horizon`], [`kinematics`] and [`geometry`].
+//! * **The robot's side**: [`exchange`] decides which request to send when, [`actuation`] what to play of the replies, within
+//!   what the robot itself allows ([`local`]). Below them are [`horizon`], [`kinematics`] and [`geometry`].
 //! * **The controller's side**: [`controller`] answers a request with a horizon. It identifies the environment
 //!   ([`identification`], by [`conjugate`] beliefs), predicts where the robot will be ([`prediction`], along the
-//!   [`commands`] in force), and steers from there ([`steering`]) through a [`task`]; the [`watch`] looks whether the robot
-//!   does as it is told. [`settings`] are what it is told once.
+//!   [`commands`] in force), and steers from there ([`steering`]) through a [`task`]. The [`watch`] compares what was
+//!   commanded with what is seen. [`settings`] describe the robot and the method.
 //! * **The simulation**: a [`plant`] on a floor, a [`link`] that is late and loses packets, and both with the two sides
-//!   above as an [`episode`] in simulated time. [`fixed_models`] measures with it. What drives episodes by the thousand
-//!   is a crate of its own, `umwelt-lab`; it shares the random numbers at an index ([`draws`]).
+//!   above as an [`episode`] in simulated time. [`fixed_models`] measures with it. The crate `umwelt-lab` drives episodes
+//!   by the thousand; it shares the random numbers at an index ([`draws`]).
 //!
-//! A robot whose link takes no time drives 0.3 m:
+//! Units are SI: m, rad, s. A pose is in the room, x and y in m and a heading counter-clockwise from x; a twist and a
+//! displacement are in the body frame, forward and to the left; wheel speeds are in rad/s. Every time is the robot's own
+//! clock. `docs/method.md` in the repository has the equations, under the numbers that comments cite.
+//!
+//! # Example
+//!
+//! A simulated robot with a camera's noise drives to a point. Its link takes no time:
 //!
 #![cfg_attr(feature = "controller", doc = "```")]
 #![cfg_attr(not(feature = "controller"), doc = "```ignore")]
@@ -28,7 +34,7 @@
 //! use umwelt_core::settings::Settings;
 //! use umwelt_core::task::Task;
 //!
-//! let (settings, goal) = (Settings::default(), Point::new(0.3, 0.0));
+//! let (settings, goal) = (Settings::default(), Point::new(0.3, 0.1));
 //! let mut controller = Controller::new(settings);
 //! controller.set_task(Task { waypoints: vec![goal], calibration: None, ..Task::thesis() });
 //! let (mut exchange, mut actuation) = (Exchange::new(0.0), Actuation::new(settings.drive, 0.0));

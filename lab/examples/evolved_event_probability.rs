@@ -1,5 +1,8 @@
 //! The experiment from which the thesis starts (its eq. 1-2): a Beta prior for the late-packet rate evolves, and
 //! predicts fresh links better than samples alone.
+//!
+//! `cargo run --release -p umwelt-lab --example evolved_event_probability`
+
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use umwelt_core::conjugate::{BetaBernoulli, ConjugateError};

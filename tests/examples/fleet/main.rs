@@ -20,7 +20,7 @@ use umwelt_core::link::PRESETS;
 ///   fleet                                  three robots over the thesis's bad link
 ///   fleet --slots 1                        the thesis itself: one command per reply
 ///   fleet --link wifi-bursty --robots 10   seconds of silence now and then
-///   fleet --robots 10 --sweep              the README's table: clean, normal, bad x 1 and 20 slots
+///   fleet --robots 10 --sweep              the table of docs/results.md: clean, normal, bad x 1 and 20 slots
 #[derive(Clone, Debug, Parser)]
 #[command(name = "fleet", verbatim_doc_comment, max_term_width = 100)]
 struct Options {

@@ -1,4 +1,4 @@
-//! The README's table: links x horizons, five seeds of a fleet each.
+//! The table of docs/results.md: links x horizons, five seeds of a fleet each.
 
 use crate::{Options, run, show};
 use std::error::Error;

@@ -69,7 +69,7 @@ impl Prior {
     ///
     /// It makes a robot careful: on the bad link, one command per reply, it strays by little more than a third of what it
     /// does with the default prior, and on the normal one it takes more than three times as long. That is what the mean
-    /// of thesis eq. 52 and 53 asks for; README has the figures.
+    /// of thesis eq. 52 and 53 asks for; docs/results.md has the figures.
     pub fn thesis() -> Self {
         Self {
             forward: known(

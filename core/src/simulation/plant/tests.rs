@@ -93,7 +93,7 @@ fn over_longer_windows_the_sd_falls_as_the_root_of_the_time() {
 
 #[test]
 fn a_changing_speed_weighs_the_error_by_its_square() {
-    // Var(ratio) = sd^2 0.1 s int v^2 dt/(int v dt)^2 (reading.md, the row on eq. 29), here with 0.1 s at each speed
+    // Var(ratio) = sd^2 0.1 s int v^2 dt/(int v dt)^2 (U1 of docs/method.md), here with 0.1 s at each speed
     let slip = Slip { forward: channel(0.0, 0.2), ..Slip::NONE };
     let mut plant = plant(Drive::default(), slip, 8);
     let ratios: Vec<_> = (0..10_000)
