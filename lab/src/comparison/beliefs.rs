@@ -5,7 +5,7 @@
 //! holds it in 90 % of the runs. Any error of window, noise discount or update shows as a slope, a hump or a bowl in the
 //! histogram of ranks. The robot is simulated whole, with camera noise, lag and dead time, and drives by what it believes.
 
-use super::witness::{Coverage, Witness};
+use super::coverage::{Coverage, Witness};
 use crate::seeds::{self, Purpose};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_pcg::Pcg64;

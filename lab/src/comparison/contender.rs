@@ -1,9 +1,9 @@
 //! Who is compared: a method with its prior and its number of slots.
 
 use super::Trial;
+use super::coverage::{Errors, Oracle, Witness};
 use super::scenario::Environment;
 use super::settings::ComparisonSettings;
-use super::witness::{Errors, Oracle, Witness};
 use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
 use umwelt_core::conjugate::SampleStatistics;
 use umwelt_core::controller::Controller;

@@ -26,13 +26,14 @@
 pub mod beliefs;
 mod bootstrap;
 mod contender;
+mod coverage;
 mod report;
 mod scenario;
 mod settings;
-mod witness;
 mod work;
 
 pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
+pub use coverage::{Coverage, Errors, SAMPLES_BEFORE};
 pub use report::{
     Claim, Difference, Entry, EnvironmentReport, LEVEL, PROMISED_DEVIATION, PROMISED_TIME,
     Quantities, Recognition, Report, Summary,
@@ -41,7 +42,6 @@ pub use scenario::{Environment, SCENARIOS, TRIALS};
 pub use settings::{
     ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
 };
-pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
 
 use crate::evolution::TellError;
 use crate::seeds::{self, Purpose};

@@ -3,8 +3,8 @@
 use super::Trial;
 use super::bootstrap::{Replicates, Resamples, Sorted};
 use super::contender::{BASELINE, CHAMPION, Contender};
+use super::coverage::Coverage;
 use super::settings::ComparisonSettings;
-use super::witness::Coverage;
 use crate::evolution::Estimate;
 use serde::{Deserialize, Serialize};
 
