@@ -1,14 +1,21 @@
 //! Who is compared: a method with its prior and its number of slots.
 
 use super::Trial;
-use super::coverage::{Errors, Oracle, Witness};
+use super::coverage::CoverageRecorder;
+use super::oracle::Oracle;
 use super::scenario::Environment;
 use super::settings::ComparisonSettings;
-use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
+use super::signature::EnvironmentSignature;
+use crate::peers::{
+    EkfPacket, EkfTuning, GpMpcTuning, NoCompensation, SlidingTuning, StaleTuning,
+    without_identification,
+};
 use umwelt_core::conjugate::SampleStatistics;
 use umwelt_core::controller::Controller;
-use umwelt_core::controller::compensation::Compensation;
-use umwelt_core::episode::{Outcome, Scenario};
+use umwelt_core::controller::compensation::{
+    Compensation, DelayModel, PathFollower, PoseEstimator,
+};
+use umwelt_core::episode::{Outcome, Scenario, TraceRow};
 use umwelt_core::identification::estimate::Channel;
 use umwelt_core::settings::{Attribution, Method, Prior, Settings};
 
@@ -28,15 +35,15 @@ pub enum Approach {
     Bayesian,
     /// Knows the floor's errors where it stands, and what the robot really plays.
     Oracle,
-    /// [`StopWhenStale`].
+    /// [`StopWhenStale`](crate::peers::StopWhenStale).
     StopWhenStale,
     /// [`NoCompensation`].
     NoCompensation,
     /// [`EkfPacket`].
     EkfPacket,
-    /// [`SlidingMode`].
+    /// [`SlidingMode`](crate::peers::SlidingMode).
     SlidingMode,
-    /// [`GpMpc`].
+    /// [`GpEstimator`](crate::peers::GpEstimator) and [`ShootingMpc`](crate::peers::ShootingMpc).
     GpMpc,
 }
 
@@ -167,9 +174,9 @@ impl Contender {
         format!("{}/{}", self.name, self.slots)
     }
 
-    /// What its controller is told, where all are told `told`.
-    pub fn settings(&self, told: &Settings) -> Settings {
-        let settings = Settings { slots: self.slots, prior: self.prior, ..*told };
+    /// The settings of its controller, where `base` are those of all.
+    pub fn settings(&self, base: &Settings) -> Settings {
+        let settings = Settings { slots: self.slots, prior: self.prior, ..*base };
         match self.approach {
             Approach::FixedNormal => Settings { method: Method::FixedNormal, ..settings },
             Approach::FixedBad => Settings { method: Method::FixedBad, ..settings },
@@ -180,11 +187,11 @@ impl Contender {
                 attribution: Attribution::Played,
                 ..settings
             },
-            Approach::StopWhenStale => StopWhenStale::default().settings(&settings),
-            Approach::NoCompensation => peers::heedless(&settings),
-            Approach::EkfPacket => EkfPacket::tuned(&settings).settings(&settings),
-            Approach::SlidingMode => SlidingMode::tuned(&settings).settings(&settings),
-            Approach::GpMpc => GpMpc::tuned(&settings).settings(&settings),
+            Approach::StopWhenStale => StaleTuning::default().settings(&settings),
+            Approach::NoCompensation => without_identification(&settings),
+            Approach::EkfPacket => EkfTuning::default().settings(&settings),
+            Approach::SlidingMode => SlidingTuning::default().settings(&settings),
+            Approach::GpMpc => GpMpcTuning::default().settings(&settings),
         }
     }
 
@@ -194,71 +201,82 @@ impl Contender {
         &self,
         settings: &ComparisonSettings,
         environment: &Environment,
-        known: &[Errors],
+        known: &[EnvironmentSignature],
         here: usize,
         seed: u64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let told = self.settings(&settings.controller);
+        let controller = self.settings(&settings.controller);
         let limit = settings.time_limit;
         let scenario = Scenario {
             time_limit: limit + CALIBRATION_TIME,
-            ..settings.episode(environment, told)
+            ..settings.episode(environment, controller)
         };
+        let run = Run { scenario: &scenario, seed, time_limit: limit };
         match self.approach {
             Approach::FixedNormal
             | Approach::FixedBad
             | Approach::Statistic
-            | Approach::Bayesian => self.watched(&scenario, known, here, seed, limit),
-            Approach::Oracle => outcome(&scenario, Oracle::new(&scenario), seed, limit),
-            Approach::StopWhenStale => outcome(&scenario, StopWhenStale::default(), seed, limit),
-            Approach::NoCompensation => outcome(&scenario, NoCompensation, seed, limit),
-            Approach::EkfPacket => outcome(&scenario, EkfPacket::tuned(&told), seed, limit),
-            Approach::SlidingMode => outcome(&scenario, SlidingMode::tuned(&told), seed, limit),
-            Approach::GpMpc => outcome(&scenario, GpMpc::tuned(&told), seed, limit),
+            | Approach::Bayesian => run.identifying(self.approach, known, here),
+            Approach::Oracle => run.outcome(Oracle::new(&scenario).compensation()),
+            Approach::StopWhenStale => run.outcome(StaleTuning::default().compensation()),
+            Approach::NoCompensation => run.outcome(NoCompensation::compensation()),
+            Approach::EkfPacket => run.outcome(EkfTuning::default().compensation(&controller)),
+            Approach::SlidingMode => {
+                run.outcome(SlidingTuning::default().compensation(&controller))
+            }
+            Approach::GpMpc => run.outcome(GpMpcTuning::default().compensation(&controller)),
         }
     }
+}
 
-    /// Drives one episode by what is believed, and watches what that is.
-    fn watched(
+/// One episode of one contender.
+struct Run<'a> {
+    scenario: &'a Scenario,
+    seed: u64,
+    /// Longest time in s from the end of the calibration to the arrival.
+    time_limit: f64,
+}
+
+impl Run<'_> {
+    /// Drives it by the thesis's method with any of its beliefs, and measures what is believed.
+    fn identifying(
         &self,
-        scenario: &Scenario,
-        known: &[Errors],
+        approach: Approach,
+        known: &[EnvironmentSignature],
         here: usize,
-        seed: u64,
-        time_limit: f64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let identifies = self.approach.identifies();
+        let identifies = approach.identifies();
         let is_asked = identifies && known.len() > 1;
         let (mut recognised, mut samples) = (None, None);
-        let controller = Controller::with(scenario.settings, Witness::default());
-        let driven = scenario.drive(controller, seed, |_, controller| {
+        let mut recorder = CoverageRecorder::default();
+        let controller = Controller::with(self.scenario.settings, Compensation::STANDARD);
+        let show = |_: &TraceRow, controller: &Controller| {
             let belief = controller.belief();
             let taken = belief.samples();
             if is_asked && samples != Some(taken) {
                 samples = Some(taken);
-                let is_right = Errors::nearest(known, &belief.model()) == here;
+                let is_right = EnvironmentSignature::nearest(known, &belief.model()) == here;
                 recognised = if is_right { recognised.or(samples) } else { None };
             }
-        });
-        let Ok((outcome, controller)) = driven else { return lost(time_limit) };
-        let coverage = identifies.then(|| controller.compensation().coverage());
+        };
+        let driven = self.scenario.drive_observed(controller, self.seed, show, &mut recorder);
+        let Ok((outcome, controller)) = driven else { return lost(self.time_limit) };
+        let coverage = identifies.then(|| recorder.coverage());
         let statistics = |channel| controller.belief().channel(channel).sample_statistics();
-        let trial = Trial { recognised, coverage, ..trial(outcome, time_limit) };
+        let trial = Trial { recognised, coverage, ..trial(outcome, self.time_limit) };
         (trial, Channel::ALL.map(statistics))
     }
-}
 
-/// Drives one episode of which nothing but the outcome counts.
-fn outcome(
-    scenario: &Scenario,
-    compensation: impl Compensation,
-    seed: u64,
-    time_limit: f64,
-) -> (Trial, [SampleStatistics; 4]) {
-    let controller = Controller::with(scenario.settings, compensation);
-    let driven = scenario.drive(controller, seed, |_, _| {});
-    let Ok((outcome, _)) = driven else { return lost(time_limit) };
-    (trial(outcome, time_limit), Default::default())
+    /// Drives it by any method; nothing but the outcome counts.
+    fn outcome<E: PoseEstimator, D: DelayModel, F: PathFollower>(
+        &self,
+        compensation: Compensation<E, D, F>,
+    ) -> (Trial, [SampleStatistics; 4]) {
+        let controller = Controller::with(self.scenario.settings, compensation);
+        let driven = self.scenario.drive(controller, self.seed, |_, _| {});
+        let Ok((outcome, _)) = driven else { return lost(self.time_limit) };
+        (trial(outcome, self.time_limit), Default::default())
+    }
 }
 
 /// An episode's outcome as it is compared. A robot that has not arrived in time took the whole of it.

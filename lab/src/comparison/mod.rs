@@ -27,13 +27,15 @@ pub mod beliefs;
 mod bootstrap;
 mod contender;
 mod coverage;
+mod oracle;
 mod report;
 mod scenario;
 mod settings;
+mod signature;
 mod work;
 
 pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
-pub use coverage::{Coverage, Errors, SAMPLES_BEFORE};
+pub use coverage::{Coverage, SAMPLES_BEFORE};
 pub use report::{
     Claim, Difference, Entry, EnvironmentReport, LEVEL, PROMISED_DEVIATION, PROMISED_TIME,
     Quantities, Recognition, Report, Summary,
@@ -42,6 +44,7 @@ pub use scenario::{Environment, SCENARIOS, TRIALS};
 pub use settings::{
     ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
 };
+pub use signature::EnvironmentSignature;
 
 use crate::evolution::TellError;
 use crate::seeds::{self, Purpose};
@@ -144,7 +147,7 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Known {
     slots: usize,
-    environments: Vec<Errors>,
+    environments: Vec<EnvironmentSignature>,
 }
 
 impl Comparison {
@@ -306,7 +309,7 @@ impl Comparison {
                     slots: slots_sent,
                     environments: (0..environments)
                         .map(|environment| {
-                            Errors::of(&of_place(environment * slots.len() + subject))
+                            EnvironmentSignature::of(&of_place(environment * slots.len() + subject))
                         })
                         .collect(),
                 });

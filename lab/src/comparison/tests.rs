@@ -118,16 +118,19 @@ fn an_environment_that_is_not_recognised_counts_as_never() {
 #[test]
 fn the_nearest_environment_is_the_one_whose_errors_surprise_least() {
     use umwelt_core::prediction::{ChannelModel, ErrorModel};
-    let errors = |sd: f64, mean: f64| Errors { forward: (mean, sd * sd), turn: (mean, sd * sd) };
+    let errors = |sd: f64, mean: f64| EnvironmentSignature {
+        forward: (mean, sd * sd),
+        turn: (mean, sd * sd),
+    };
     let known = [errors(0.02, 0.0), errors(0.2, -0.05)];
     let believing = |mean, sd: f64| {
         let channel = ChannelModel::known(mean, sd * sd);
         ErrorModel { forward: channel, turn: channel, ..ErrorModel::PERFECT }
     };
-    assert_eq!(Errors::nearest(&known, &believing(0.0, 0.03)), 0);
-    assert_eq!(Errors::nearest(&known, &believing(-0.04, 0.15)), 1);
+    assert_eq!(EnvironmentSignature::nearest(&known, &believing(0.0, 0.03)), 0);
+    assert_eq!(EnvironmentSignature::nearest(&known, &believing(-0.04, 0.15)), 1);
     // Twice as wide as the narrow one is farther from it than half as wide from the wide one.
-    assert_eq!(Errors::nearest(&known, &believing(0.0, 0.1)), 1);
+    assert_eq!(EnvironmentSignature::nearest(&known, &believing(0.0, 0.1)), 1);
 }
 
 /// The bug to fear: what is identified on the bad link taken for what is identified on the normal one. With one slot

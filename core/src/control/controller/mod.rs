@@ -20,11 +20,13 @@ use crate::exchange::{Observation, Request};
 use crate::geometry::{Point, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Environment;
-use crate::identification::{Belief, ChannelBelief, Window};
+use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
 use crate::settings::Settings;
 use crate::task::{Limit, Progress, Stage, Task};
 use crate::watch::Watch;
-use compensation::{Compensation, Identified};
+use compensation::{
+    Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
+};
 pub use event::{Event, Events};
 use heard::{Change, Heard};
 pub use news::GROWTH;
@@ -65,12 +67,13 @@ struct Doubt {
     count: u32,
 }
 
-/// The controller of one robot. Which decisions it takes otherwise than by what it has identified is its
-/// [compensation](Compensation)'s to say.
+/// The controller of one robot: that of the thesis and of the server, or one whose [`Compensation`] decides otherwise.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Controller<C = Identified> {
+pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     settings: Settings,
-    compensation: C,
+    compensation: Compensation<E, D, F>,
+    /// Whether the [watch](crate::watch) looks after the robot.
+    is_watched: bool,
     belief: Belief,
     commands: Commands,
     track: Option<Track>,
@@ -96,15 +99,17 @@ pub struct Controller<C = Identified> {
 impl Controller {
     /// A controller that has seen nothing yet.
     pub fn new(settings: Settings) -> Self {
-        Self::with(settings, Identified)
+        Self { is_watched: true, ..Self::with(settings, Compensation::STANDARD) }
     }
 }
 
-impl<C: Compensation> Controller<C> {
-    /// A controller that has seen nothing yet and decides by `compensation`.
-    pub fn with(settings: Settings, compensation: C) -> Self {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
+    /// A controller that has seen nothing yet and decides by `compensation`, without the [watch](crate::watch): methods are
+    /// compared as they were published.
+    pub fn with(settings: Settings, compensation: Compensation<E, D, F>) -> Self {
         Self {
             compensation,
+            is_watched: false,
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
             commands: Commands::default(),
@@ -132,10 +137,20 @@ impl<C: Compensation> Controller<C> {
 
     /// [`Controller::step`] without copies of what is large: the horizon stays where it is remembered.
     pub fn answer(&mut self, request: &Request, events: &mut Events) -> &Horizon {
+        self.answer_observed(request, events, &mut ())
+    }
+
+    /// [`Controller::answer`], and `observer` sees what is learned.
+    pub fn answer_observed(
+        &mut self,
+        request: &Request,
+        events: &mut Events,
+        observer: &mut impl SampleObserver,
+    ) -> &Horizon {
         self.learn(request);
         self.heed(request);
         for observation in &request.observations {
-            self.observe(*observation, events);
+            self.observe(*observation, events, observer);
         }
         self.watch_age(request.sent, events);
         self.command(request)
@@ -146,7 +161,7 @@ impl<C: Compensation> Controller<C> {
     pub fn late(&mut self, request: &Request) -> Option<Horizon> {
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
-            self.compensation.learn(delivery);
+            self.compensation.delay.on_delivery(delivery);
         }
         self.newest().cloned()
     }
@@ -160,7 +175,7 @@ impl<C: Compensation> Controller<C> {
         self.belief.link.request(request.sequence, request.observations.last());
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
-            self.compensation.learn(delivery);
+            self.compensation.delay.on_delivery(delivery);
         }
         if let Some(playing) = request.playing {
             self.commands.report(playing, request.sent);
@@ -226,7 +241,7 @@ impl<C: Compensation> Controller<C> {
     }
 
     /// What it decides by.
-    pub fn compensation(&self) -> &C {
+    pub fn compensation(&self) -> &Compensation<E, D, F> {
         &self.compensation
     }
 

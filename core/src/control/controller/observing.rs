@@ -1,12 +1,12 @@
 //! What a pose teaches: it is believed or set aside, closes windows of motion, and shows how far the task has got.
 
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::event::{Event, Events};
 use super::plan::{Phase, REST_SLOTS};
 use super::{BELIEVED_AGAIN, Controller, Doubt, Track};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
-use crate::identification::{Verdict, Window};
+use crate::identification::{SampleObserver, Verdict, Window};
 use crate::kinematics;
 use crate::settings::{Attribution, Settings};
 
@@ -16,11 +16,16 @@ const MAX_GAP: f64 = 0.5;
 /// Margin of a believable pose in m and rad, for what the known noise does not cover.
 const MARGIN: (f64, f64) = (0.005, 0.1);
 
-impl<C: Compensation> Controller<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
-    pub(super) fn observe(&mut self, observation: Observation, events: &mut Events) {
+    pub(super) fn observe(
+        &mut self,
+        observation: Observation,
+        events: &mut Events,
+        observer: &mut impl SampleObserver,
+    ) {
         let Some(track) = self.track else {
-            self.compensation.begin(observation);
+            self.compensation.estimator.reset(observation);
             self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
             return;
         };
@@ -46,14 +51,14 @@ impl<C: Compensation> Controller<C> {
             }
             let _ = events.try_push(Event::PosesBelievedAgain);
             self.watch_anew();
-            self.compensation.begin(observation);
+            self.compensation.estimator.reset(observation);
             self.track =
                 Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
         } else {
-            let window = self.close(window, &track, &observation);
+            let window = self.close(window, &track, &observation, observer);
             let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
             let Observation { pose, taken } = observation;
-            let pose = self.compensation.believe(taken, pose, predicted, moved);
+            let pose = self.compensation.estimator.filter_pose(taken, pose, predicted, moved);
             self.track =
                 Some(Track { last: Observation { pose, taken }, wheels, window, interval });
             self.watch_step(track.last, observation, predicted, moved, events);
@@ -105,7 +110,13 @@ impl<C: Compensation> Controller<C> {
     }
 
     /// Closes the window with a pose where it is ripe; the window that goes on.
-    fn close(&mut self, window: Window, track: &Track, end: &Observation) -> Window {
+    fn close(
+        &mut self,
+        window: Window,
+        track: &Track,
+        end: &Observation,
+        observer: &mut impl SampleObserver,
+    ) -> Window {
         let Settings { drive, noise, attribution, .. } = self.settings;
         let start = window.start.taken;
         if self.heard.was_away(start, end.taken) {
@@ -126,7 +137,7 @@ impl<C: Compensation> Controller<C> {
             // A robot that rests for the watch teaches nothing on its way there.
             Verdict::Closed(_) if self.watch.rests() => {}
             Verdict::Closed(samples) => {
-                self.compensation.witness(&self.belief, &samples, start);
+                observer.on_samples(&self.belief, &samples, start);
                 self.belief.update(&samples, start, end.taken);
             }
         }

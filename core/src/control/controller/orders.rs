@@ -1,7 +1,7 @@
 //! What a controller is told beside requests: tasks, stop and resume, settings.
 
 use super::Controller;
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
@@ -10,7 +10,7 @@ use crate::local::LocalLimits;
 use crate::settings::Settings;
 use crate::task::Task;
 
-impl<C: Compensation> Controller<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
     pub fn set_task(&mut self, task: Task) {
         self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };

@@ -1,7 +1,7 @@
 //! How the controller uses the [watch](crate::watch): what it is shown, and what follows from what it finds.
 
 use super::Controller;
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::event::{Event, Events};
 use super::plan::Phase;
 use crate::commands::Commands;
@@ -39,7 +39,7 @@ const HOLE: f64 = 0.12;
 /// In so large a part of the time in which the robot is to move they have to be.
 const MOSTLY: f64 = 0.8;
 
-impl<C: Compensation> Controller<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// What the watch has found, with its numbers, and whether the robot rests for it.
     pub fn watch_state(&self) -> Option<(Alarm, bool)> {
         self.watch.state()
@@ -58,7 +58,7 @@ impl<C: Compensation> Controller<C> {
 
     /// How old the newest accepted pose is at robot time `now`.
     pub(super) fn watch_age(&mut self, now: f64, events: &mut Events) {
-        if !self.compensation.is_watched() {
+        if !self.is_watched {
             return;
         }
         let age = self.track.map(|track| now - track.last.taken);
@@ -73,7 +73,7 @@ impl<C: Compensation> Controller<C> {
 
     /// A pose was set aside at robot time `taken`.
     pub(super) fn watch_set_aside(&mut self, taken: f64, events: &mut Events) {
-        if self.compensation.is_watched() && self.wants_motion() && !self.watch.rests() {
+        if self.is_watched && self.wants_motion() && !self.watch.rests() {
             let finding = self.watch.set_aside(taken);
             self.take_up(finding, events);
         }
@@ -96,7 +96,7 @@ impl<C: Compensation> Controller<C> {
         commanded: Displacement,
         events: &mut Events,
     ) {
-        if !self.compensation.is_watched() {
+        if !self.is_watched {
             return;
         }
         let (far, turned) = self.reach(to.taken - from.taken);

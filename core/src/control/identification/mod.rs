@@ -34,6 +34,17 @@ pub struct Belief {
     pub poses_set_aside: u64,
 }
 
+/// Sees what a controller learns, as it learns it.
+pub trait SampleObserver {
+    /// A window of motion from `start` s on gave `samples`, which `belief` has not taken in yet.
+    fn on_samples(&mut self, belief: &Belief, samples: &Samples, start: f64);
+}
+
+/// Sees nothing.
+impl SampleObserver for () {
+    fn on_samples(&mut self, _: &Belief, _: &Samples, _: f64) {}
+}
+
 impl Belief {
     /// The belief before any observation.
     pub fn new(method: Method, prior: &Prior, drift: bool) -> Self {

@@ -6,12 +6,13 @@
 mod on_the_way;
 
 use crate::actuation::Actuation;
-use crate::controller::compensation::Compensation;
+use crate::controller::compensation::{DelayModel, PathFollower, PoseEstimator};
 use crate::controller::{Controller, Events};
 use crate::exchange::{Exchange, Observation, Request};
 use crate::geometry::elementary::{least, most};
 use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
+use crate::identification::SampleObserver;
 use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel, Slip};
 use crate::settings::Settings;
@@ -135,15 +136,29 @@ impl Scenario {
     ///
     /// # Errors
     /// Where link or plant mean nothing.
-    pub fn drive<C: Compensation>(
+    pub fn drive<E: PoseEstimator, D: DelayModel, F: PathFollower>(
         &self,
-        controller: Controller<C>,
+        controller: Controller<E, D, F>,
         seed: u64,
-        mut show: impl FnMut(&TraceRow, &Controller<C>),
-    ) -> Result<(Outcome, Controller<C>), EpisodeError> {
+        show: impl FnMut(&TraceRow, &Controller<E, D, F>),
+    ) -> Result<(Outcome, Controller<E, D, F>), EpisodeError> {
+        self.drive_observed(controller, seed, show, &mut ())
+    }
+
+    /// [`Scenario::drive`], and `observer` sees what is learned.
+    ///
+    /// # Errors
+    /// Where link or plant mean nothing.
+    pub fn drive_observed<E: PoseEstimator, D: DelayModel, F: PathFollower>(
+        &self,
+        controller: Controller<E, D, F>,
+        seed: u64,
+        mut show: impl FnMut(&TraceRow, &Controller<E, D, F>),
+        observer: &mut impl SampleObserver,
+    ) -> Result<(Outcome, Controller<E, D, F>), EpisodeError> {
         let mut world = World::new(self, controller, seed)?;
         while world.now < self.time_limit && !world.server.controller.has_arrived() {
-            world.next();
+            world.next(observer);
             if world.moved == world.now {
                 show(&world.row(), &world.server.controller);
             }
@@ -160,7 +175,7 @@ impl Scenario {
 }
 
 /// Robot, link and server of one episode, at one moment.
-struct World<'a, C> {
+struct World<'a, E, D, F> {
     scenario: &'a Scenario,
     /// Whether the robot is in the region.
     is_inside: bool,
@@ -172,7 +187,7 @@ struct World<'a, C> {
     link: Link,
     exchange: Exchange,
     actuation: Actuation,
-    server: Server<C>,
+    server: Server<E, D, F>,
     applied: WheelSpeeds,
     /// Poses on their way from the camera.
     seen: Queue<Observation>,
@@ -182,8 +197,8 @@ struct World<'a, C> {
 }
 
 /// The server, and what it cannot know: how far from its path the robot really is.
-struct Server<C> {
-    controller: Controller<C>,
+struct Server<E, D, F> {
+    controller: Controller<E, D, F>,
     newest_request: u64,
     /// True positions that the controller has not seen yet: which leg they belong to is not known before.
     travelled: Queue<Point>,
@@ -191,10 +206,10 @@ struct Server<C> {
     max_deviation: f64,
 }
 
-impl<'a, C: Compensation> World<'a, C> {
+impl<'a, E: PoseEstimator, D: DelayModel, F: PathFollower> World<'a, E, D, F> {
     fn new(
         scenario: &'a Scenario,
-        mut controller: Controller<C>,
+        mut controller: Controller<E, D, F>,
         seed: u64,
     ) -> Result<Self, EpisodeError> {
         controller.set_task(scenario.task.clone());
@@ -242,7 +257,7 @@ impl<'a, C: Compensation> World<'a, C> {
     }
 
     /// Goes on to the next moment at which something happens, and lets it happen.
-    fn next(&mut self) {
+    fn next(&mut self, observer: &mut impl SampleObserver) {
         let frame = self.frames as f64 * SLOT;
         let packet = least(self.upward.arrivals.first, self.downward.arrivals.first);
         let robot = least(self.actuation.next_change(), self.exchange.next_request(self.now));
@@ -258,7 +273,7 @@ impl<'a, C: Compensation> World<'a, C> {
             self.exchange.observe(observation);
         }
         while let Some(request) = self.upward.due(next) {
-            if let Some(newest) = self.server.serve(request)
+            if let Some(newest) = self.server.serve(request, observer)
                 && let Some(arrival) = self.link.downlink(next)
             {
                 let horizon = self.downward.place();
@@ -308,13 +323,13 @@ impl<'a, C: Compensation> World<'a, C> {
     }
 }
 
-impl<C: Compensation> Server<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Server<E, D, F> {
     /// A step, or a late one that only teaches; either way the newest horizon is the answer.
-    fn serve(&mut self, request: &Request) -> Option<&Horizon> {
+    fn serve(&mut self, request: &Request, observer: &mut impl SampleObserver) -> Option<&Horizon> {
         if request.sequence > self.newest_request {
             self.newest_request = request.sequence;
             let leg = self.controller.leg();
-            self.controller.answer(request, &mut Events::new());
+            self.controller.answer_observed(request, &mut Events::new(), observer);
             self.measure(leg);
         } else {
             self.controller.late(request);

@@ -1,6 +1,6 @@
 //! What each phase of a task wants of the robot, and when the next one begins.
 
-use super::super::compensation::Compensation;
+use super::super::compensation::PathFollower;
 use super::approach::{Approach, STRAY, heading_error};
 use super::phase::{Phase, REST_SLOTS};
 use super::roll::Roll;
@@ -18,7 +18,7 @@ const KEEP_SIDE: f64 = 2.0;
 /// Times that differ by less than this many s are the same moment.
 const SAME_TIME: f64 = 1e-6;
 
-impl<C: Compensation> Roll<'_, C> {
+impl<F: PathFollower> Roll<'_, F> {
     /// The twist that the task wants now; the phase goes on.
     pub(super) fn decide(&mut self, task: &Task) -> Twist {
         // Each pass is a transition that costs no time; a task has a handful in a row at most.

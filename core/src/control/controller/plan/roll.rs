@@ -1,6 +1,6 @@
 //! The roll-out: slot after slot under the fastest command that the limits allow.
 
-use super::super::compensation::Compensation;
+use super::super::compensation::PathFollower;
 use super::phase::Phase;
 use crate::geometry::{Pose, Twist, WheelSpeeds};
 use crate::kinematics;
@@ -42,9 +42,9 @@ struct Slot {
 }
 
 /// A plan under way: everything as it is at the beginning of a slot.
-pub(super) struct Roll<'a, C> {
+pub(super) struct Roll<'a, F> {
     pub(super) settings: &'a Settings,
-    pub(super) compensation: &'a C,
+    pub(super) follower: &'a F,
     pub(super) floors: &'a Floors,
     /// The smallest speeds, as described or raised.
     pub(super) least: Twist,
@@ -58,7 +58,7 @@ pub(super) struct Roll<'a, C> {
     pub(super) limit: Option<Limit>,
 }
 
-impl<C: Compensation> Roll<'_, C> {
+impl<F: PathFollower> Roll<'_, F> {
     /// Decides one slot and goes on by it.
     pub(super) fn next(&mut self, slot: usize) -> WheelSpeeds {
         self.limit = None;
