@@ -1,7 +1,7 @@
 //! One channel's belief: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
 
-use super::estimate::{Channel, ChannelEstimate, LEVEL};
-use super::window::Sample;
+use super::super::estimate::{Channel, ChannelEstimate, LEVEL};
+use super::super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ impl Statistics {
 
 /// What is believed of one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChannelBelief {
+pub struct Stationary {
     channel: Channel,
     prior: NormalInverseChiSquared,
     posterior: NormalInverseChiSquared,
@@ -67,7 +67,7 @@ pub struct ChannelBelief {
     ln_evidence: f64,
 }
 
-impl ChannelBelief {
+impl Stationary {
     /// The belief before any sample.
     pub fn new(channel: Channel, prior: NormalInverseChiSquared) -> Self {
         Self {
@@ -237,10 +237,10 @@ mod tests {
     }
 
     /// Feeds `windows` consecutive windows of `motion` m with ratio sd `sd` and pose noise `noise`.
-    fn learn(windows: u32, motion: f64, sd: f64, noise: f64, seed: u64) -> ChannelBelief {
+    fn learn(windows: u32, motion: f64, sd: f64, noise: f64, seed: u64) -> Stationary {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut normal = || random.sample::<f64, _>(StandardNormal);
-        let mut belief = ChannelBelief::new(Channel::Forward, prior());
+        let mut belief = Stationary::new(Channel::Forward, prior());
         let weight = 1.2_f64;
         let mut before = noise * normal();
         for i in 0..windows {
@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn without_noise_the_update_is_the_conjugate_one() {
-        let mut belief = ChannelBelief::new(Channel::Turn, prior());
+        let mut belief = Stationary::new(Channel::Turn, prior());
         let mut plain = prior();
         for (i, ratio) in [0.1, -0.05, 0.2].into_iter().enumerate() {
             let sample =

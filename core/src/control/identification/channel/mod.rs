@@ -1,0 +1,4 @@
+//! One channel's belief.
+
+mod stationary;
+pub use stationary::Stationary;
