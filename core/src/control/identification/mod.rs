@@ -10,7 +10,7 @@ mod link;
 mod prior;
 mod window;
 
-pub use channel::Stationary as ChannelBelief;
+pub use channel::ChannelBelief;
 pub use link::LinkBelief;
 pub use prior::{BUILT_IN_PRIORS, about_built_in};
 pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};

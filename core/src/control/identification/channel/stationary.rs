@@ -1,4 +1,4 @@
-//! One channel's belief: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
+//! The estimator of a stationary channel: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
 
 use super::super::estimate::{Channel, ChannelEstimate, LEVEL};
 use super::super::window::Sample;
@@ -56,7 +56,7 @@ impl Statistics {
     }
 }
 
-/// What is believed of one channel.
+/// What is believed of a channel whose ratio has one mean and one variance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stationary {
     channel: Channel,
@@ -150,11 +150,6 @@ impl Stationary {
         (innovation + self.posterior.mu() - model.mean).abs() <= half
     }
 
-    /// Samples taken so far.
-    pub fn samples(&self) -> u64 {
-        self.statistics.samples.samples
-    }
-
     /// The samples alone, each corrected for what is known of the pose noise that it shares with the one before.
     pub fn sample_statistics(&self) -> SampleStatistics {
         self.statistics.samples
@@ -163,12 +158,6 @@ impl Stationary {
     /// The posterior: prior and samples.
     pub fn posterior(&self) -> NormalInverseChiSquared {
         self.posterior
-    }
-
-    /// Mean and variance of the samples alone, from two samples on.
-    pub fn statistic(&self) -> Option<ChannelModel> {
-        let samples = self.statistics.samples;
-        Some(ChannelModel::known(samples.mean, samples.variance()?))
     }
 
     /// Back to the prior.
@@ -267,14 +256,14 @@ mod tests {
         assert_eq!(belief.posterior(), plain);
     }
 
-    /// The bug to fear: pose noise read as slip. 0.5 mm over 3.9 mm of motion is 18 % per window; the floor's
+    /// Guards against pose noise read as slip. 0.5 mm over 3.9 mm of motion is 18 % per window; the floor's
     /// own error is 3 %.
     #[test]
     fn pose_noise_is_not_read_as_slip() {
         let belief = learn(2000, 0.0039, 0.03, 0.0005, 3);
         let sd = belief.posterior().expected_variance().expect("many samples").sqrt();
         assert!(sd < 0.08, "identified sd {sd}");
-        let naive = belief.statistic().expect("many samples").variance.sqrt();
+        let naive = belief.sample_statistics().variance().expect("many samples").sqrt();
         assert!(naive > 0.15, "the samples alone show {naive}");
         // Neighbouring windows share a pose: their noise cancels in the sum, the mean is known far better.
         assert!((belief.posterior().mu() + 0.1).abs() < 0.005, "{}", belief.posterior().mu());
