@@ -6,7 +6,9 @@ use crate::id::PriorId;
 use crate::number::known;
 use crate::prior::Source;
 use crate::robot::{DEFAULT_PRIOR, Method};
+use crate::watch;
 use serde::{Deserialize, Serialize};
+use umwelt_core::identification::Status as CoreStatus;
 use umwelt_core::identification::estimate::{self, LEVEL};
 use utoipa::ToSchema;
 
@@ -121,6 +123,59 @@ pub struct Channel {
     pub effective_samples: Option<f64>,
     /// Natural logarithm of the evidence of the samples under the prior; 0 without samples.
     pub ln_evidence: Option<f64>,
+    /// How far the estimate has got.
+    #[serde(default)]
+    pub status: Status,
+    /// Part of the samples that it takes until the prior no longer dominates, 1 once it does not; null where `status` is
+    /// `unestimated` or `rejected`.
+    #[serde(default)]
+    pub estimated_fraction: Option<f64>,
+    /// What the watch found, for which samples are set aside; null where `status` is not `rejected`.
+    #[serde(default)]
+    pub rejected_for: Option<watch::State>,
+}
+
+/// How far an estimate has got.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = environment::Status)]
+pub enum Status {
+    /// No sample can change it: it is a constant of a fixed model.
+    Unestimated,
+    /// The prior still dominates.
+    Estimating,
+    /// The samples say at least as much as the prior.
+    Estimated,
+    /// Samples are set aside: the watch holds the robot at rest because its motion is not what was commanded.
+    Rejected,
+    /// Something of another version.
+    #[default]
+    #[serde(other)]
+    Other,
+}
+
+impl From<CoreStatus> for Status {
+    fn from(core: CoreStatus) -> Self {
+        match core {
+            CoreStatus::Unestimated => Self::Unestimated,
+            CoreStatus::Estimating { .. } => Self::Estimating,
+            CoreStatus::Estimated => Self::Estimated,
+            CoreStatus::Rejected { .. } => Self::Rejected,
+        }
+    }
+}
+
+impl Status {
+    /// The name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unestimated => "unestimated",
+            Self::Estimating => "estimating",
+            Self::Estimated => "estimated",
+            Self::Rejected => "rejected",
+            Self::Other => "other",
+        }
+    }
 }
 
 /// From `low` to `high`.
@@ -153,6 +208,18 @@ pub struct Link {
     pub chance_of_luck: Option<f64>,
     /// What the numbers do not show at first sight; null where there is nothing to say.
     pub note: Option<String>,
+    /// How far the estimate of the loop delay has got.
+    #[serde(default)]
+    pub delay_status: Status,
+    /// Part of the deliveries that it takes until the prior no longer dominates; 1 once it does not.
+    #[serde(default)]
+    pub delay_estimated_fraction: Option<f64>,
+    /// How far the estimate of the probability of late packets has got.
+    #[serde(default)]
+    pub late_status: Status,
+    /// Part of the deliveries that it takes until a link with 5 % late packets would have shown one; 1 once it would.
+    #[serde(default)]
+    pub late_estimated_fraction: Option<f64>,
 }
 
 impl Environment {
@@ -182,6 +249,12 @@ impl From<estimate::ChannelEstimate> for Channel {
             samples: core.samples,
             effective_samples: known(core.effective_samples),
             ln_evidence: known(core.ln_evidence),
+            status: core.status.into(),
+            estimated_fraction: core.status.fraction().and_then(known),
+            rejected_for: match core.status {
+                CoreStatus::Rejected { reason } => Some(reason.into()),
+                _ => None,
+            },
         }
     }
 }
@@ -197,6 +270,10 @@ impl From<estimate::LinkEstimate> for Link {
             late_interval: interval(core.late_interval),
             chance_of_luck: known(core.chance_of_luck),
             note: note(&core),
+            delay_status: core.delay_status.into(),
+            delay_estimated_fraction: core.delay_status.fraction().and_then(known),
+            late_status: core.late_status.into(),
+            late_estimated_fraction: core.late_status.fraction().and_then(known),
         }
     }
 }
@@ -233,6 +310,7 @@ mod tests {
             samples,
             effective_samples: number,
             ln_evidence: number,
+            status: CoreStatus::Estimating { fraction: 0.25 },
         };
         let link = estimate::LinkEstimate {
             samples,
@@ -242,6 +320,8 @@ mod tests {
             late_probability: number,
             late_interval: (number, number),
             chance_of_luck: 0.95f64.powf(samples as f64),
+            delay_status: CoreStatus::Estimated,
+            late_status: CoreStatus::Estimating { fraction: 0.5 },
         };
         let core = estimate::Environment {
             method: settings::Method::Bayesian,
@@ -260,6 +340,59 @@ mod tests {
         assert_eq!(wire.channels.drift.mean_interval, Some(Interval { low: 0.125, high: 0.125 }));
         assert_eq!(wire.link.late_probability, Some(0.125));
         assert_eq!((wire.channels.turn.samples, wire.windows_rejected), (7, 1));
+        let turn = wire.channels.turn;
+        assert_eq!((turn.status, turn.estimated_fraction), (Status::Estimating, Some(0.25)));
+        let Link { delay_status, delay_estimated_fraction, late_status, .. } = wire.link;
+        assert_eq!((delay_status, delay_estimated_fraction), (Status::Estimated, Some(1.0)));
+        assert_eq!(late_status, Status::Estimating);
+    }
+
+    #[test]
+    fn every_status_has_the_name_of_core() {
+        use umwelt_core::watch::Condition;
+        for core in [
+            CoreStatus::Unestimated,
+            CoreStatus::Estimating { fraction: 0.5 },
+            CoreStatus::Estimated,
+            CoreStatus::Rejected { reason: Condition::Stuck },
+        ] {
+            let status = Status::from(core);
+            assert_eq!(serde_json::to_value(status).unwrap(), core.name());
+            assert_eq!(status.name(), core.name());
+        }
+        assert_eq!(serde_json::from_str::<Status>("\"of-tomorrow\"").unwrap(), Status::Other);
+    }
+
+    #[test]
+    fn what_samples_are_set_aside_for_is_named() {
+        use umwelt_core::identification::Belief;
+        use umwelt_core::settings::Prior as CorePrior;
+        use umwelt_core::watch::Condition;
+        let shown = |method, rejected| {
+            let belief = Belief::new(method, &CorePrior::default(), false);
+            let prior = Prior::of(None, Source::Inline, method.into());
+            Environment::new(&belief.environment(rejected), prior).channels.forward
+        };
+        let stuck = shown(settings::Method::Bayesian, Some(Condition::Stuck));
+        assert_eq!(
+            (stuck.status, stuck.rejected_for),
+            (Status::Rejected, Some(watch::State::Stuck))
+        );
+        assert_eq!(stuck.estimated_fraction, None);
+        let fixed = shown(settings::Method::FixedBad, None);
+        assert_eq!((fixed.status, fixed.rejected_for), (Status::Unestimated, None));
+    }
+
+    /// A server of an earlier version says nothing of it.
+    #[test]
+    fn an_environment_without_statuses_is_read() {
+        let mut json = serde_json::to_value(environment(0.5, 7, 1)).unwrap();
+        let forward = json["channels"]["forward"].as_object_mut().unwrap();
+        forward.retain(|name, _| {
+            !["status", "estimated_fraction", "rejected_for"].contains(&name.as_str())
+        });
+        let wire: Environment = serde_json::from_value(json).unwrap();
+        assert_eq!(wire.channels.forward.status, Status::Other);
     }
 
     #[test]

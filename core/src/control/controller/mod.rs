@@ -232,7 +232,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The identified environment.
     pub fn environment(&self) -> Environment {
-        self.belief.environment()
+        self.belief.environment(self.watch.kept().rejects())
     }
 
     /// What is believed, for those who measure it.

@@ -47,6 +47,11 @@ pub struct Kept {
 }
 
 impl Kept {
+    /// Why samples are set aside: what the robot is to rest for.
+    pub fn rejects(&self) -> Option<Condition> {
+        self.holding.map(|alarm| alarm.condition())
+    }
+
     /// Whether there is nothing to keep.
     pub fn is_none(&self) -> bool {
         *self == Self::default()

@@ -281,6 +281,6 @@ impl Snapshot {
 
     /// What is identified, as the wire has it.
     pub(crate) fn environment(&self) -> Environment {
-        self.described.environment(&self.saved.belief().environment())
+        self.described.environment(&self.saved.environment())
     }
 }

@@ -9,6 +9,7 @@ mod stationary;
 
 use self::stationary::Stationary;
 use super::estimate::{Channel, ChannelEstimate};
+use super::status::Status;
 use super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics};
 use crate::prediction::ChannelModel;
@@ -75,10 +76,17 @@ impl ChannelBelief {
         }
     }
 
-    /// As it is shown, where predictions assume `model`.
-    pub fn estimate(&self, model: &ChannelModel, used: bool) -> ChannelEstimate {
+    /// How far samples have brought it from its prior, from 0 to 1; see [`progress`](super::progress).
+    pub fn progress(&self) -> f64 {
         match self {
-            Self::Stationary(stationary) => stationary.estimate(model, used),
+            Self::Stationary(stationary) => stationary.progress(),
+        }
+    }
+
+    /// As it is shown, where predictions assume `model`.
+    pub fn estimate(&self, model: &ChannelModel, used: bool, status: Status) -> ChannelEstimate {
+        match self {
+            Self::Stationary(stationary) => stationary.estimate(model, used, status),
         }
     }
 }

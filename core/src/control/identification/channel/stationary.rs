@@ -1,6 +1,7 @@
 //! The estimator of a stationary channel: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
 
 use super::super::estimate::{Channel, ChannelEstimate, LEVEL};
+use super::super::status::{Status, progress};
 use super::super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
@@ -165,8 +166,17 @@ impl Stationary {
         *self = Self::new(self.channel, self.prior);
     }
 
+    /// How far samples have brought it from its prior, from 0 to 1: the less of what they say of the mean, k - k_0 against
+    /// k_0, and of the variance, r - r_0 against r_0, since the prior counts itself in samples in the same way.
+    pub fn progress(&self) -> f64 {
+        let (prior, posterior) = (self.prior, self.posterior);
+        let of_mean = progress(posterior.k() - prior.k(), prior.k());
+        let of_variance = progress(posterior.r() - prior.r(), prior.r());
+        of_mean.min(of_variance)
+    }
+
     /// As it is shown, where predictions assume `model`.
-    pub fn estimate(&self, model: &ChannelModel, used: bool) -> ChannelEstimate {
+    pub fn estimate(&self, model: &ChannelModel, used: bool, status: Status) -> ChannelEstimate {
         let posterior = model.posterior;
         let intervals = posterior.map(|posterior| posterior.intervals(LEVEL));
         ChannelEstimate {
@@ -185,6 +195,7 @@ impl Stationary {
             samples: self.statistics.samples.samples,
             effective_samples: self.statistics.effective(),
             ln_evidence: self.ln_evidence,
+            status,
         }
     }
 }
