@@ -11,7 +11,7 @@
 //! * **The controller's side**: [`controller`] answers a request with a horizon. It identifies the environment
 //!   ([`identification`], by [`conjugate`] beliefs), predicts where the robot will be ([`prediction`], along the
 //!   [`commands`] in force), and steers from there ([`steering`]) through a [`task`]; the [`watch`] looks whether the robot
-//!   does as it is told. [`settings`] are what it is told once.
+//!   moves as commanded. [`settings`] describe the robot and how to control it.
 //! * **The simulation**: a [`plant`] on a floor, a [`link`] that is late and loses packets, and both with the two sides
 //!   above as an [`episode`] in simulated time. [`fixed_models`] measures with it. What drives episodes by the thousand
 //!   is a crate of its own, `umwelt-lab`; it shares the random numbers at an index ([`draws`]).

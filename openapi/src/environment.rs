@@ -224,7 +224,7 @@ pub struct Link {
 
 impl Environment {
     /// What was identified, beginning with `prior`.
-    pub fn new(core: &estimate::Environment, prior: Prior) -> Self {
+    pub fn new(core: &estimate::Estimates, prior: Prior) -> Self {
         let [forward, lateral, turn, drift] = core.channels.map(Channel::from);
         Self {
             method: core.method.into(),
@@ -323,7 +323,7 @@ mod tests {
             delay_status: CoreStatus::Estimated,
             late_status: CoreStatus::Estimating { fraction: 0.5 },
         };
-        let core = estimate::Environment {
+        let core = estimate::Estimates {
             method: settings::Method::Bayesian,
             channels: estimate::Channel::ALL.map(channel),
             link,
@@ -371,7 +371,7 @@ mod tests {
         let shown = |method, rejected| {
             let belief = Belief::new(method, &CorePrior::default(), false);
             let prior = Prior::of(None, Source::Inline, method.into());
-            Environment::new(&belief.environment(rejected), prior).channels.forward
+            Environment::new(&belief.estimates(rejected), prior).channels.forward
         };
         let stuck = shown(settings::Method::Bayesian, Some(Condition::Stuck));
         assert_eq!(

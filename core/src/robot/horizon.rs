@@ -277,7 +277,7 @@ mod tests {
             prop_assert!(time <= h.valid_until().max(h.start + offset) + stop + 2.0 * RAMP_STEP);
         }
 
-        /// The bug to fear: a boundary that rounds to a moment that is not later, at which whoever walks from change
+        /// Guards against: a boundary that rounds to a moment that is not later, at which a caller that walks from change
         /// to change stays for ever. Clocks over the whole range of the contract.
         #[test]
         fn every_change_lies_ahead_whatever_the_clock_reads(

@@ -47,7 +47,7 @@ pub struct World {
     pub seed: u64,
 }
 
-/// What came of a run.
+/// The results of a run.
 pub struct Run {
     pub controller: Controller,
     pub events: Vec<(f64, Event)>,

@@ -3,7 +3,7 @@
 //! Simulation-based calibration (Talts, Betancourt, Simpson, Vehtari & Gelman 2018): where the truth is drawn from the
 //! prior and the data from the truth, the rank of the truth among draws from the posterior is uniform, and a 90 % interval
 //! holds it in 90 % of the runs. Any error of window, noise discount or update shows as a slope, a hump or a bowl in the
-//! histogram of ranks. The robot is simulated whole, with camera noise, lag and dead time, and drives by what it believes.
+//! histogram of ranks. The robot is simulated whole, with camera noise, lag and dead time, and drives by its belief.
 
 use super::coverage::{Coverage, CoverageRecorder};
 use crate::seeds::{self, Purpose};
@@ -58,7 +58,7 @@ pub struct Verdict {
     pub next_held: bool,
 }
 
-/// What came of one run.
+/// The results of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// Per channel, in the order of [`Channel::ALL`].

@@ -104,7 +104,7 @@ pub struct Contender {
     pub approach: Approach,
     /// Slots per horizon.
     pub slots: usize,
-    /// What it believes before any sample, where its method is Bayesian.
+    /// Its prior, where its method is Bayesian.
     pub prior: Prior,
 }
 
@@ -238,7 +238,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Drives it by the thesis's method with any of its beliefs, and measures what is believed.
+    /// Drives it by the thesis's method with any of its beliefs, and measures its belief.
     fn identifying(
         &self,
         approach: Approach,
@@ -287,7 +287,7 @@ fn trial(outcome: Outcome, time_limit: f64) -> Trial {
     Trial { arrived, time, deviation: max_deviation, ..Trial::default() }
 }
 
-/// What comes of an episode that cannot be simulated: checked before, so it does not happen.
+/// The result of an episode that cannot be simulated: checked before, so it does not happen.
 fn lost(time_limit: f64) -> (Trial, [SampleStatistics; 4]) {
     (Trial { time: time_limit, ..Trial::default() }, Default::default())
 }

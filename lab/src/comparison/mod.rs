@@ -6,7 +6,7 @@
 //! `tell`s its whole state can be stored and taken up again: the report is the same, bit for bit.
 //!
 //! 1. *Reference*: on seeds of their own, how each environment shows in the samples, so that it can be said when a
-//!    contender believes to be in the right one.
+//!    contender recognises the right one.
 //! 2. *Trials*: every contender drives the same seeds (common random numbers): the same slots are late for each, the
 //!    same cells of the floor slip.
 //! 3. *Report*: distributions, differences to `statistic` paired by seed, with bootstrap intervals.
@@ -96,14 +96,14 @@ pub struct Trial {
     pub time: f64,
     /// Largest deviation in m of the true position.
     pub deviation: f64,
-    /// Samples after which the environment that the robot was in is the one it believed in for good; none where that
+    /// Samples after which the environment that the robot was in is the one nearest to its belief for good; none where that
     /// never came, or is not asked.
     pub recognised: Option<u64>,
-    /// How well its intervals held what came; none where it does not identify.
+    /// How well its intervals held the samples; none where it does not identify.
     pub coverage: Option<Coverage>,
 }
 
-/// What came of one episode.
+/// The results of one episode.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evaluation {
     /// What is kept.
@@ -187,7 +187,7 @@ impl Comparison {
         &self.state
     }
 
-    /// What it was told.
+    /// Its settings.
     pub fn settings(&self) -> &ComparisonSettings {
         &self.settings
     }
@@ -208,7 +208,7 @@ impl Comparison {
         reference as u64 + self.settings.compared_episodes()
     }
 
-    /// What came of it, once it is done.
+    /// The report, once it is done.
     pub fn report(&self) -> Option<&Report> {
         self.state.report.as_ref()
     }
@@ -229,7 +229,7 @@ impl Comparison {
             .collect()
     }
 
-    /// Numbers of slots of those who identify, where there are environments to be told apart.
+    /// Numbers of slots of those who identify, where there are environments to distinguish.
     fn slots(&self) -> Vec<usize> {
         if !self.settings.tells_apart() {
             return Vec::new();

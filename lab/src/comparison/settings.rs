@@ -1,4 +1,4 @@
-//! What a comparison is told: contenders, environments, task, trials, seed.
+//! The settings of a comparison: contenders, environments, task, trials, seed.
 
 use super::contender::Contender;
 use super::scenario::Environment;
@@ -16,10 +16,10 @@ pub const MAX_CONTENDERS: usize = 64;
 pub const MAX_ENVIRONMENTS: usize = 16;
 /// Most trials of a contender in an environment.
 pub const MAX_TRIALS: usize = 10_000;
-/// Most episodes (contenders x environments x trials): what comes of each is held until the end, some 20 MB.
+/// Most episodes (contenders x environments x trials): the results of each are held until the end, some 20 MB.
 pub const MAX_EPISODES: u64 = 200_000;
 
-/// Everything a comparison is told.
+/// The settings of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparisonSettings {
     /// The scenario's name.
@@ -28,7 +28,7 @@ pub struct ComparisonSettings {
     pub contenders: Vec<Contender>,
     /// Where, 1..=[`MAX_ENVIRONMENTS`] of different names.
     pub environments: Vec<Environment>,
-    /// What every contender's controller is told; method, prior and slots are its own.
+    /// The settings of every contender's controller; method, prior and slots are its own.
     pub controller: Settings,
     /// What is driven.
     pub task: Task,
@@ -75,7 +75,7 @@ pub enum SettingsError {
 }
 
 impl ComparisonSettings {
-    /// The comparison's task in one of its environments, driven by a controller that was told `settings`.
+    /// The comparison's task in one of its environments, driven by a controller of these `settings`.
     pub fn episode(&self, environment: &Environment, settings: Settings) -> Scenario {
         Scenario {
             settings,
@@ -95,7 +95,7 @@ impl ComparisonSettings {
             .fold(1, |all, count| all.saturating_mul(*count as u64))
     }
 
-    /// Whether there are environments to be told apart. Where one changes on the way there is no right one.
+    /// Whether there are environments to distinguish. Where one changes on the way there is no right one.
     pub fn tells_apart(&self) -> bool {
         self.environments.len() > 1 && self.environments.iter().all(|it| it.region.is_none())
     }

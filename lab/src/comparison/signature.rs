@@ -43,7 +43,7 @@ impl EnvironmentSignature {
     }
 }
 
-/// Divergence of a normal believed from the one that is there, in nats.
+/// Divergence of the normal of a belief from the one that is there, in nats.
 fn divergence((mean, variance): (f64, f64), believed: &ChannelModel) -> f64 {
     let (variance, wide) = (variance.max(LEAST_VARIANCE), believed.variance.max(LEAST_VARIANCE));
     let ratio = variance / wide;

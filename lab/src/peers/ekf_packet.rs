@@ -65,9 +65,9 @@ pub struct EkfPacket {
     tuning: EkfTuning,
     /// Covariance of the camera.
     camera: Matrix3<f64>,
-    /// Covariance of the pose believed last.
+    /// Covariance of the pose estimated last.
     covariance: Matrix3<f64>,
-    /// When that pose was taken, and where it was believed to be.
+    /// When that pose was taken, and where it was estimated to be.
     last: Option<(f64, Pose)>,
 }
 
@@ -83,7 +83,7 @@ impl EkfPacket {
         Self { tuning, camera, covariance: camera, last: None }
     }
 
-    /// Covariance of (x, y, heading) of the pose believed last, in m^2, m rad and rad^2.
+    /// Covariance of (x, y, heading) of the pose estimated last, in m^2, m rad and rad^2.
     pub fn covariance(&self) -> Matrix3<f64> {
         self.covariance
     }
@@ -158,11 +158,11 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;
-    use umwelt_core::controller::{BELIEVED_AGAIN, Controller};
+    use umwelt_core::controller::{ACCEPTED_AGAIN, Controller};
     use umwelt_core::exchange::Request;
     use umwelt_core::settings::PoseNoise;
 
-    /// RMS errors of position in m and heading in rad, believed and observed, on a straight run with slip.
+    /// RMS errors of position in m and heading in rad, estimated and observed, on a straight run with slip.
     fn errors() -> [(f64, f64); 2] {
         let noise = PoseNoise::CAMERA;
         let mut filter =
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_believed_is_nearer_the_truth_than_what_the_camera_says() {
+    fn estimates_are_nearer_the_truth_than_what_the_camera_says() {
         let [believed, observed] = errors();
         assert!(believed.0 < 0.8 * observed.0, "{believed:?} {observed:?}");
         assert!(believed.1 < 0.8 * observed.1, "{believed:?} {observed:?}");
@@ -222,14 +222,14 @@ mod tests {
         assert!((covariance[(0, 1)] / covariance[(1, 1)] + dy / dx).abs() < 1e-6, "{covariance}");
     }
 
-    /// The bug to fear: a robot that was carried away, and a filter that takes it for one that drove there.
+    /// Guards against: a robot that was carried away, and a filter that takes it for one that drove there.
     #[test]
     fn a_robot_that_was_carried_away_is_filtered_anew() {
         let settings = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
         let mut controller =
             Controller::with(settings, EkfTuning::default().compensation(&settings));
         let camera = controller.compensation().estimator.camera;
-        for sequence in 1..=10 + u64::from(BELIEVED_AGAIN) {
+        for sequence in 1..=10 + u64::from(ACCEPTED_AGAIN) {
             let taken = sequence as f64 * 0.03;
             let x = if sequence <= 10 { 0.0 } else { 1.0 };
             let mut request = Request { sequence, sent: taken + 0.13, ..Request::EMPTY };

@@ -113,7 +113,7 @@ proptest! {
         prop_assert!((time - from - length).abs() < 1e-6);
     }
 
-    /// The bug to fear: a walk without an end, where a clock is so large that a boundary rounds to a moment that is
+    /// Guards against: a walk without an end, where a clock is so large that a boundary rounds to a moment that is
     /// not later. Clocks over the whole range of the contract, pauses from a microsecond to a day, ramps of hours.
     #[test]
     fn a_walk_ends_and_covers_its_time_whatever_the_clock_reads(

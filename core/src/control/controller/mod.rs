@@ -19,7 +19,7 @@ use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
 use crate::geometry::{Point, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
-use crate::identification::estimate::Environment;
+use crate::identification::estimate::Estimates;
 use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
 use crate::settings::Settings;
 use crate::task::{Limit, Progress, Stage, Task};
@@ -37,8 +37,8 @@ pub use saved::Saved;
 /// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
 
-/// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
-pub const BELIEVED_AGAIN: u32 = 5;
+/// Consistent poses in a row that are accepted again after one was set aside: a robot that was carried away.
+pub const ACCEPTED_AGAIN: u32 = 5;
 
 /// The answer to one request.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ struct Track {
 
 /// Poses that are set aside for now: the last one and how many in a row agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Doubt {
+struct RejectedPoses {
     last: Observation,
     count: u32,
 }
@@ -77,7 +77,7 @@ pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     belief: Belief,
     commands: Commands,
     track: Option<Track>,
-    doubt: Option<Doubt>,
+    rejected: Option<RejectedPoses>,
     task: Option<Task>,
     phase: Phase,
     /// The phases of the plan in force, which is the newest horizon sent; empty where it holds no longer.
@@ -114,7 +114,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             settings,
             commands: Commands::default(),
             track: None,
-            doubt: None,
+            rejected: None,
             task: None,
             phase: Phase::Idle,
             phases: Phases::new(),
@@ -148,7 +148,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         observer: &mut impl SampleObserver,
     ) -> &Horizon {
         self.learn(request);
-        self.heed(request);
+        self.apply_local_limits(request);
         for observation in &request.observations {
             self.observe(*observation, events, observer);
         }
@@ -184,7 +184,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn
     /// toward its waypoint; nothing is learned from what it did meanwhile ([`Heard::was_away`]).
-    fn heed(&mut self, request: &Request) {
+    fn apply_local_limits(&mut self, request: &Request) {
         let Settings { drive, attribution, .. } = self.settings;
         let change = self.heard.take(request, &drive);
         if change == Change::Rests {
@@ -230,12 +230,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.task.is_some() && self.phase == Phase::Arrived
     }
 
-    /// The identified environment.
-    pub fn environment(&self) -> Environment {
-        self.belief.environment(self.watch.kept().rejects())
+    /// What was identified.
+    pub fn estimates(&self) -> Estimates {
+        self.belief.estimates(self.watch.kept().rejects())
     }
 
-    /// What is believed, for those who measure it.
+    /// The belief, for those who measure it.
     pub fn belief(&self) -> &Belief {
         &self.belief
     }

@@ -1,9 +1,9 @@
-//! What a pose teaches: it is believed or set aside, closes windows of motion, and shows how far the task has got.
+//! What a pose teaches: it is accepted or set aside, closes windows of motion, and shows how far the task has got.
 
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::event::{Event, Events};
 use super::plan::{Phase, REST_SLOTS};
-use super::{BELIEVED_AGAIN, Controller, Doubt, Track};
+use super::{ACCEPTED_AGAIN, Controller, RejectedPoses, Track};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::identification::{SampleObserver, Verdict, Window};
@@ -13,11 +13,11 @@ use crate::settings::{Attribution, Settings};
 /// A gap between poses in s, beyond which a window of motion begins anew.
 const MAX_GAP: f64 = 0.5;
 
-/// Margin of a believable pose in m and rad, for what the known noise does not cover.
+/// Margin of an acceptable pose in m and rad, for what the known noise does not cover.
 const MARGIN: (f64, f64) = (0.005, 0.1);
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
-    /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
+    /// Takes in one pose: accepts it or sets it aside, closes windows of motion, follows the task.
     pub(super) fn observe(
         &mut self,
         observation: Observation,
@@ -38,18 +38,18 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if !self.can_have_moved(predicted, observation.pose, span) {
             self.belief.poses_set_aside += 1;
             self.watch_set_aside(observation.taken, events);
-            let again = self.doubt.filter(|doubt| {
-                let span = observation.taken - doubt.last.taken;
-                self.can_have_moved(doubt.last.pose, observation.pose, span)
+            let again = self.rejected.filter(|rejected| {
+                let span = observation.taken - rejected.last.taken;
+                self.can_have_moved(rejected.last.pose, observation.pose, span)
             });
-            let count = again.map_or(1, |doubt| doubt.count + 1);
-            if count < BELIEVED_AGAIN {
-                self.doubt = Some(Doubt { last: observation, count });
+            let count = again.map_or(1, |rejected| rejected.count + 1);
+            if count < ACCEPTED_AGAIN {
+                self.rejected = Some(RejectedPoses { last: observation, count });
                 let distance = predicted.point().distance(observation.pose.point());
                 let _ = events.try_push(Event::PoseSetAside { observation, distance });
                 return;
             }
-            let _ = events.try_push(Event::PosesBelievedAgain);
+            let _ = events.try_push(Event::PosesAcceptedAgain);
             self.watch_anew();
             self.compensation.estimator.reset(observation);
             self.track =
@@ -63,7 +63,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
                 Some(Track { last: Observation { pose, taken }, wheels, window, interval });
             self.watch_step(track.last, observation, predicted, moved, events);
         }
-        self.doubt = None;
+        self.rejected = None;
         self.commands.settle(observation.taken - self.settings.drive.dead_time);
         self.follow_task(&observation, events);
     }

@@ -1,4 +1,4 @@
-//! What a controller is told beside requests: tasks, stop and resume, settings.
+//! What changes a controller beside requests: tasks, stop and resume, settings.
 
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
@@ -42,12 +42,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.watch.resume();
     }
 
-    /// Whether the robot has been told to stop.
+    /// Whether the robot is stopped until it is resumed.
     pub fn is_stopped(&self) -> bool {
         self.stopped
     }
 
-    /// Whether the robot itself holds: it rests whatever it is told.
+    /// Whether the robot itself holds: it rests whatever is commanded.
     pub fn is_held(&self) -> bool {
         self.heard.is_held()
     }
@@ -62,7 +62,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.commands.clear();
         self.belief.link.restart_clock();
         self.track = None;
-        self.doubt = None;
+        self.rejected = None;
         self.phases.clear();
         self.phase = self.phase.resumed();
         self.record.restart_clock();
@@ -72,7 +72,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     }
 
     /// Back to the prior.
-    pub fn reset_environment(&mut self) {
+    pub fn reset_belief(&mut self) {
         self.belief.reset();
         self.watch.unlearn();
         self.healthy = None;

@@ -25,7 +25,7 @@ fn to(x: f64, y: f64) -> Task {
     Task { waypoints: vec![Point::new(x, y)], calibration: None, ..Task::thesis() }
 }
 
-/// A robot that stands at the origin and is told to drive to `task`.
+/// A robot that stands at the origin and is to drive `task`.
 fn standing(settings: Settings, task: Task) -> Controller {
     let mut controller = Controller::new(settings);
     controller.set_task(task);
@@ -122,8 +122,8 @@ fn a_robot_that_moves_as_told_arrives_and_every_waypoint_is_seen() {
     assert!((8.0..14.0).contains(&progress.elapsed), "{}", progress.elapsed);
 }
 
-/// The bug to fear: cameras do not run at one pose per slot, and a plan that begins within a slot of the old one must
-/// go on where that one had come to. Poses at 10 to 250 ms; the time may grow with the delay of the camera.
+/// Guards against: a plan that begins within a slot of the old one and does not go on where that one had come to. Cameras
+/// do not run at one pose per slot: poses at 10 to 250 ms; the time may grow with the delay of the camera.
 #[test]
 fn it_arrives_whatever_the_period_of_the_camera() {
     for period in [0.010, 0.020, 0.0299, 0.0301, 1.0 / 30.0, 0.040, 0.050, 0.1, 0.25] {
@@ -237,7 +237,7 @@ fn a_cancelled_task_ends_at_rest() {
 }
 
 #[test]
-fn one_wild_pose_is_set_aside_and_several_are_believed_again() {
+fn one_wild_pose_is_set_aside_and_several_are_accepted_again() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(60);
     let seen = ideal.slot;
@@ -250,11 +250,11 @@ fn one_wild_pose_is_set_aside_and_several_are_believed_again() {
     };
     assert_eq!(aside(&events), 1);
     assert!(ideal.controller.pose().expect("seen").pose.y.abs() < 0.01, "{before:?} {seen}");
-    // Carried away for good: believed after the fifth.
+    // Carried away for good: accepted after the fifth.
     let carried = |pose: Pose| Pose { y: pose.y + 2.0, ..pose };
     let events: Vec<Event> = (0..12).flat_map(|_| ideal.step(carried).events).collect();
-    assert_eq!(aside(&events), BELIEVED_AGAIN as usize - 1);
-    assert!(events.contains(&Event::PosesBelievedAgain));
+    assert_eq!(aside(&events), ACCEPTED_AGAIN as usize - 1);
+    assert!(events.contains(&Event::PosesAcceptedAgain));
     assert!(ideal.controller.pose().expect("seen").pose.y > 1.9);
 }
 
@@ -277,7 +277,7 @@ fn a_late_request_teaches_the_link_and_nothing_else() {
     let mut late = request(3, 0.1, &[(0.05, Pose::new(5.0, 5.0, 0.0))]);
     late.deliveries.push(Delivery { sequence: 2, loop_delay: 0.3 });
     assert_eq!(ideal.controller.late(&late), newest);
-    assert_eq!(ideal.controller.environment().link.samples, 1);
+    assert_eq!(ideal.controller.estimates().link.samples, 1);
     ideal.controller.belief.link = before.belief.link.clone();
     assert_eq!(ideal.controller, before);
 }
@@ -286,13 +286,13 @@ fn a_late_request_teaches_the_link_and_nothing_else() {
 fn a_new_epoch_keeps_the_task_and_what_was_learned() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(120);
-    let learned = ideal.controller.environment().channels;
+    let learned = ideal.controller.estimates().channels;
     let elapsed = ideal.controller.progress().elapsed;
     assert!(learned[0].samples > 5);
     ideal.controller.restart_clock();
     let mut again = Ideal { slot: 0, seen: Vec::new(), horizons: Vec::new(), ..ideal };
     again.run(3);
-    assert_eq!(again.controller.environment().channels, learned);
+    assert_eq!(again.controller.estimates().channels, learned);
     assert!(again.run(400).contains(&Event::Arrived));
     assert!(again.controller.progress().elapsed > elapsed + 1.0, "the time goes on");
 }
@@ -328,12 +328,12 @@ fn a_heading_well_off_is_turned_back_in_place() {
 fn new_settings_keep_what_was_learned_unless_the_method_changes() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(120);
-    let learned = ideal.controller.environment().channels[0].samples;
+    let learned = ideal.controller.estimates().channels[0].samples;
     let settings = *ideal.controller.settings();
     ideal.controller.replace_settings(Settings { slots: 5, ..settings });
-    assert_eq!(ideal.controller.environment().channels[0].samples, learned);
+    assert_eq!(ideal.controller.estimates().channels[0].samples, learned);
     ideal.controller.replace_settings(Settings { method: Method::Statistic, ..settings });
-    assert_eq!(ideal.controller.environment().channels[0].samples, 0);
+    assert_eq!(ideal.controller.estimates().channels[0].samples, 0);
 }
 
 proptest! {

@@ -1,4 +1,4 @@
-//! The identified environment as it is shown: per channel and for the link.
+//! A belief as it is shown: estimates per channel and for the link.
 
 use super::status::Status;
 use crate::settings::Method;
@@ -85,9 +85,9 @@ pub struct LinkEstimate {
     pub late_status: Status,
 }
 
-/// The identified environment of one robot.
+/// What was identified of one robot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Environment {
+pub struct Estimates {
     /// How it was identified.
     pub method: Method,
     /// Per channel, in the order of [`Channel::ALL`].

@@ -85,7 +85,7 @@ impl LinkBelief {
             .zip(self.late_arrival)
             .is_some_and(|(arrival, late)| (arrival - late).abs() < SAME_INSTANT);
         let ln_delay = ln(delay);
-        // What is not above the median is not late either, and needs no exponential to tell.
+        // What is not above the median is not late either, and needs no exponential to be known as such.
         let is_late = !held_back
             && ln_delay > self.ln_delay.mu()
             && delay > self.median() + LATE_SLOTS * SLOT;

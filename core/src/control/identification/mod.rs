@@ -1,4 +1,4 @@
-//! Observations and commands in flight become error samples, and these the posterior of the environment.
+//! Observations and commands in flight become error samples, and these a belief.
 //!
 //! Each slip channel has a normal with unknown mean and variance (thesis eq. 32-38, corrected), the link a
 //! normal on the logarithm of its loop delay and a Bernoulli for late packets.
@@ -20,10 +20,10 @@ pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Windo
 use super::condition::Condition;
 use crate::prediction::{ChannelModel, ErrorModel};
 use crate::settings::{Method, Prior};
-use estimate::{Channel, Environment};
+use estimate::{Channel, Estimates};
 use serde::{Deserialize, Serialize};
 
-/// What is believed of one robot's environment.
+/// What is believed of a robot's floor and link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
     method: Method,
@@ -86,7 +86,7 @@ impl Belief {
         self.channels
     }
 
-    /// Back to what was believed of every channel.
+    /// Back to an earlier belief of every channel.
     pub fn restore(&mut self, channels: [ChannelBelief; 4]) {
         self.channels = channels;
     }
@@ -119,7 +119,7 @@ impl Belief {
             Method::Statistic => {
                 belief.statistic().unwrap_or_else(|| fixed::channel(&fixed::FIXED_NORMAL, channel))
             }
-            Method::Bayesian => ChannelModel::believed(belief.posterior()),
+            Method::Bayesian => ChannelModel::from_posterior(belief.posterior()),
         }
     }
 
@@ -151,13 +151,13 @@ impl Belief {
     }
 
     /// As it is shown, where the watch has samples set aside for `rejected`.
-    pub fn environment(&self, rejected: Option<Condition>) -> Environment {
+    pub fn estimates(&self, rejected: Option<Condition>) -> Estimates {
         let channels = Channel::ALL.map(|channel| {
             let used = self.drift || channel != Channel::Drift;
             let status = self.status(channel, rejected);
             self.channel(channel).estimate(&self.channel_model(channel), used, status)
         });
-        Environment {
+        Estimates {
             method: self.method,
             channels,
             link: self.link.estimate(),
@@ -271,11 +271,11 @@ mod tests {
     #[test]
     fn what_the_watch_sets_aside_is_rejected_with_its_reason() {
         let belief = learned(Method::Bayesian, &[0.2; 50]);
-        let shown = belief.environment(Some(Condition::Frozen));
+        let shown = belief.estimates(Some(Condition::Frozen));
         for channel in shown.channels {
             assert_eq!(channel.status, Status::Rejected { reason: Condition::Frozen });
         }
-        assert_eq!(belief.environment(None).channels[0].status, Status::Estimated);
+        assert_eq!(belief.estimates(None).channels[0].status, Status::Estimated);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::kinematics::Drive;
 /// Shortest cell in s: three slots, so that one lost or late command is not all of it.
 pub const CELL: f64 = 0.1;
 
-/// Longest cell in s: a crawling robot with a noisy camera needs long ones to be told from one that stands.
+/// Longest cell in s: a crawling robot with a noisy camera needs long ones to be distinguished from one that stands.
 const LONGEST_CELL: f64 = 1.0;
 
 /// Cells remembered: more than two seconds of the shortest, 32 s of the longest.

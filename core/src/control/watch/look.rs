@@ -43,9 +43,9 @@ const CREEPS: f64 = 0.35;
 /// Part of the commanded motion above which all is well.
 const HEALTHY: f64 = 0.5;
 
-/// Commanded motion in standard deviations of a pose that tells [`MOVED`] from half: 0.4 of it is seven standard
+/// Commanded motion in standard deviations of a pose that separates [`MOVED`] from half: 0.4 of it is seven standard
 /// deviations of a difference of two poses.
-pub(super) const TELLS_STUCK: f64 = 24.0;
+pub(super) const SHOWS_STUCK: f64 = 24.0;
 
 /// The same for motion against the command, which is as far again from what it should be.
 const TELLS_MISMATCH: f64 = 12.0;
@@ -141,7 +141,7 @@ impl Watch {
         }
     }
 
-    /// Whether the robot moves at all; none where it was told less than was sent: replies came late.
+    /// Whether the robot moves at all; none where it played less than was sent: replies came late.
     fn look_at_motion(
         &mut self,
         settings: &Settings,
@@ -150,9 +150,9 @@ impl Watch {
         situation: &Situation,
         played: impl Fn(f64, f64) -> bool,
     ) -> Option<Finding> {
-        let tells = |time: f64| {
+        let shows = |time: f64| {
             move |sums: &Sums| {
-                let enough = sums.early >= TELLS_STUCK * sd(kind, noise);
+                let enough = sums.early >= SHOWS_STUCK * sd(kind, noise);
                 sums.span >= time && sums.early > 0.0 && enough
             }
         };
@@ -162,8 +162,8 @@ impl Watch {
             sums.covered - noise < ELSEWHERE * sums.early
         };
         let recent = self.evidence.is_settled();
-        let recent = recent.then(|| self.evidence.latest_settled(kind, tells(STUCK_TIME)));
-        let to_and_fro = self.evidence.latest(kind, tells(TO_AND_FRO_TIME)).filter(is_still);
+        let recent = recent.then(|| self.evidence.latest_settled(kind, shows(STUCK_TIME)));
+        let to_and_fro = self.evidence.latest(kind, shows(TO_AND_FRO_TIME)).filter(is_still);
         let mut finding = Finding::Nothing;
         for sums in recent.flatten().into_iter().chain(to_and_fro) {
             let (along, any) = shares(kind, settings, &sums, sums.early);

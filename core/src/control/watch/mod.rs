@@ -111,7 +111,7 @@ impl Watch {
         &self.raise.floors
     }
 
-    /// Goes on after an alarm: a robot told to resume, or given another task. Returns the alarm.
+    /// Goes on after an alarm: a robot that is resumed, or given another task. Returns the alarm.
     pub fn resume(&mut self) -> Option<Alarm> {
         if let Some(Alarm::OffPath { deviation, .. }) = self.holding {
             self.leave = Some(FARTHER * deviation);

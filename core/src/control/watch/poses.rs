@@ -4,11 +4,11 @@ use super::Watch;
 use super::alarm::Alarm;
 use super::evidence::{Kind, Step};
 use super::finding::Finding;
-use super::look::{TELLS_STUCK, fast};
+use super::look::{SHOWS_STUCK, fast};
 use super::still::{Still, Stillness};
 use crate::settings::Settings;
 
-/// A cell holds this part of the motion that tells something.
+/// A cell holds this part of the motion that says something.
 const CELL_SHARE: f64 = 1.0 / 12.0;
 
 /// Poses older than this many s, or than [`MISSED`] intervals, are no poses any more.
@@ -23,7 +23,7 @@ const LONGEST_GAP: f64 = 0.5;
 /// A pose's share in the interval between poses.
 const INTERVAL_SHARE: f64 = 0.2;
 
-/// Longest interval in s that is believed: what comes more rarely is missing.
+/// Longest interval in s that counts as one: what comes more rarely is missing.
 const LONGEST_INTERVAL: f64 = 2.0;
 
 impl Watch {
@@ -91,7 +91,7 @@ impl Watch {
         let now = step.to.taken;
         match stillness {
             Stillness::Fine => {}
-            // It was told less than was sent: as after a silence, when the first replies come late.
+            // It played less than was sent: as after a silence, when the first replies come late.
             _ if !played(now - self.still.commanded, now) => self.still.clear(),
             Stillness::Try => return (None, self.try_full(settings, now)),
             Stillness::Frozen => {
@@ -100,7 +100,7 @@ impl Watch {
             }
         }
         let noise = self.jitter.at_least(settings.noise);
-        let least = [noise.position, noise.heading].map(|sd| CELL_SHARE * TELLS_STUCK * sd);
+        let least = [noise.position, noise.heading].map(|sd| CELL_SHARE * SHOWS_STUCK * sd);
         (self.evidence.push(drive, step, least), Finding::Nothing)
     }
 }

@@ -16,7 +16,7 @@ use arrayvec::ArrayVec;
 /// wait where pose and reply take no time at all.
 const HELD: usize = 16;
 
-/// Longest time in s that a horizon may wait for its start: the longest loop delay that a server can be told, and some
+/// Longest time in s that a horizon may wait for its start: the longest loop delay that a description may have, and some
 /// slots. What begins later was planned for nothing that the robot could know by then.
 const MAX_LEAD: f64 = 2.0 + 3.0 * SLOT;
 

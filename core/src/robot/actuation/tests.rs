@@ -97,7 +97,7 @@ fn plans_pass_and_jumps_are_spread() {
     }
 }
 
-/// The bug to fear: poses without delay, so that more horizons wait than are held, and none ever begins.
+/// Guards against: poses without delay, so that more horizons wait than are held, and none ever begins.
 #[test]
 fn however_early_replies_come_each_slot_plays_a_newer_horizon() {
     for lead in [0.01, 0.23, 1.0, 2.0] {
@@ -152,8 +152,8 @@ fn no_single_horizon_drives_a_robot_for_long() {
         for slot in [1e-12, 0.001, SLOT, 1.0, 1e6, 1e300, 0.0, -1.0, f64::INFINITY, f64::NAN] {
             for watchdog in [0.05, 0.3, 5.0, 1e9, -1.0, f64::INFINITY, f64::NAN] {
                 let mut actuation = Actuation::new(drive, 0.0);
-                let told = horizon(1, start, &[0.13; MAX_SLOTS]);
-                actuation.accept(&Horizon { slot, watchdog, ..told });
+                let sent = horizon(1, start, &[0.13; MAX_SLOTS]);
+                actuation.accept(&Horizon { slot, watchdog, ..sent });
                 let (mut now, mut moved) = (0.0, 0.0);
                 while now < longest + 1.0 {
                     actuation.advance(now);
@@ -222,7 +222,7 @@ fn a_hold_ramps_to_rest_at_once_and_nothing_planned_before_its_end_moves_the_rob
     assert!(actuation.is_at_rest());
     assert_eq!(actuation.accept(&horizon(8, 1.2, &[0.13; 60])), Acceptance::Held);
     assert_eq!(fastest(&mut actuation, 2.0), 0.0);
-    // Let go: what requests 8 to 11 asked for was planned for a robot that rests, or before anybody knew of it.
+    // Let go: what requests 8 to 11 asked for was planned for a robot that rests, or before the server knew of it.
     actuation.restrain(LocalLimits::NONE, 11);
     for sequence in [8, 11] {
         let planned = horizon(sequence, 2.0, &[0.13; 60]);

@@ -25,7 +25,7 @@ pub const TIME_LIMIT: f64 = 300.0;
 /// Everything that an episode is made of, but its seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// What the controller is told.
+    /// The controller's settings.
     pub settings: Settings,
     /// What the robot really is.
     pub plant: PlantModel,

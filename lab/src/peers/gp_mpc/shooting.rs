@@ -140,7 +140,7 @@ impl<'a> Shooting<'a> {
         let speed = most(shot.share * fastest, self.drive.min_linear);
         let speed = if self.way.reverse { -speed } else { speed };
         let twist = Twist::new(speed, shot.turns[2 * step / STEPS]);
-        // Nearly always within the limits, which is told without a division.
+        // Nearly always within the limits, which is known without a division.
         let rim = twist.linear.abs() + self.drive.track_width / 2.0 * twist.angular.abs();
         let is_within = rim <= self.drive.wheel_radius * self.drive.max_wheel_speed
             && twist.linear.abs() <= self.drive.max_linear

@@ -21,7 +21,7 @@
 //!   0.36 s, and a packet late by 0.4 s is hardly late any more. Its price is a longer prediction. With 4 slots, the spread
 //!   of the ordinary delay, the median deviation over the bad link is some 17 mm instead of 10 mm.
 //! - Zero-order hold is one slot per packet with the watchdog that all have: their hold has no end, but a robot that drives
-//!   on for 12 s of silence is no method that anybody would use.
+//!   on for 12 s of silence is no method for use.
 
 mod chain;
 

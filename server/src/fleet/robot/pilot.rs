@@ -271,7 +271,7 @@ impl Pilot {
             }
             // Before each event and after it, it looks.
             Command::Obey => {}
-            Command::ResetEnvironment => self.controller.reset_environment(),
+            Command::ResetEnvironment => self.controller.reset_belief(),
             Command::Drain => {
                 self.draining = true;
                 if !self.controller.is_stopped() {
@@ -314,7 +314,7 @@ impl Pilot {
     fn environment(&self) -> What {
         let (described, saved) = (self.shown.described.clone(), self.controller.saved());
         What::Asked(Box::new(move || {
-            Kind::Environment(Box::new(described.environment(&saved.environment())))
+            Kind::Environment(Box::new(described.environment(&saved.estimates())))
         }))
     }
 }

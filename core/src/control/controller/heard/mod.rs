@@ -1,13 +1,13 @@
 //! What the robot itself allows, as the controller hears of it, and for how long it went its own way.
 //!
-//! While it did, what it was told says nothing about how it moved: no window of motion that touches that time is used.
+//! While it did, its commands say nothing about how it moved: no window of motion that touches that time is used.
 
 use crate::exchange::Request;
 use crate::geometry::Twist;
 use crate::kinematics::Drive;
 use crate::local::LocalLimits;
 
-/// Time in s after which a robot that never reports what it plays counts as doing what it is told again.
+/// Time in s after which a robot that never reports what it plays counts as following its commands again.
 const REPORTED_BY: f64 = 2.0;
 
 /// What a request means for the plan.
@@ -15,21 +15,21 @@ const REPORTED_BY: f64 = 2.0;
 pub(super) enum Change {
     /// Nothing.
     None,
-    /// The robot rests on its own, and has forgotten what it was told.
+    /// The robot rests on its own, and has dropped its commands.
     Rests,
     /// It goes on from where it stands.
     GoesOn,
 }
 
-/// A stretch of robot time in which the robot did something else than it was told.
+/// A stretch of robot time in which the robot did something else than commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Away {
-    /// It did as told at this time in s, for the last time.
+    /// It followed its commands at this time in s, for the last time.
     from: f64,
     /// When the newest request that changed what it allows was sent, in s, and its sequence.
     asked: f64,
     sequence: u64,
-    /// From this time in s on it does as told again; none as long as it plays no horizon that was planned for that.
+    /// From this time in s on it follows its commands again; none as long as it plays no horizon that was planned for that.
     until: Option<f64>,
 }
 

@@ -118,12 +118,12 @@ impl Closed {
         assert_eq!(self.controller.progress().stage, Stage::Arrived, "{:?}", self.plant.pose());
     }
 
-    /// On a perfect floor every motion is as it was told: what is learned from anything else shows.
+    /// On a perfect floor every motion is as commanded: what is learned from anything else shows.
     fn assert_nothing_false_was_learned(&self, what: &str) {
-        for channel in self.controller.environment().channels {
+        for channel in self.controller.estimates().channels {
             assert!(channel.mean.abs() < 0.02, "{what}: {channel:?}");
         }
-        assert!(self.controller.environment().channels[0].samples > 10, "{what}");
+        assert!(self.controller.estimates().channels[0].samples > 10, "{what}");
     }
 }
 
@@ -140,10 +140,10 @@ fn a_robot_that_holds_rests_at_once_and_shows_it() {
         assert!(closed.controller.is_held());
         closed.run(stopping + SLOT - (1.5 * SLOT + CARRIED + RAMP_STEP), |_| false);
         assert_eq!(closed.twist(), Twist::ZERO);
-        let (pose, learned) = (closed.plant.pose(), closed.controller.environment().channels);
+        let (pose, learned) = (closed.plant.pose(), closed.controller.estimates().channels);
         closed.run(5.0, |it| it.twist() != Twist::ZERO);
         assert_eq!((closed.twist(), closed.plant.pose()), (Twist::ZERO, pose));
-        assert_eq!(closed.controller.environment().channels, learned);
+        assert_eq!(closed.controller.estimates().channels, learned);
         closed.restrain(LocalLimits::NONE);
         closed.run(0.5, |it| !it.controller.is_held());
         assert!(!closed.controller.is_held());

@@ -20,7 +20,7 @@ use roll::Roll;
 
 /// What a plan keeps to.
 pub struct Rules<'a, F> {
-    /// What the controller was told.
+    /// The settings.
     pub settings: &'a Settings,
     /// How it drives to a point.
     pub follower: &'a F,

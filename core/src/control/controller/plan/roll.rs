@@ -27,7 +27,7 @@ pub struct Start {
     pub phase: Phase,
     /// Whether the newest pose is fresh: without one an unsure robot does not even creep.
     pub fresh: bool,
-    /// Whether the robot has been told to stop.
+    /// Whether the robot is stopped until it is resumed.
     pub stopped: bool,
     /// Time in s at rest after which the robot leaves a waypoint: long enough to be seen there.
     pub rest: f64,

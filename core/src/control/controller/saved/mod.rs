@@ -4,7 +4,7 @@ use super::Controller;
 use super::plan::Phase;
 use super::record::Record;
 use crate::identification::Belief;
-use crate::identification::estimate::Environment;
+use crate::identification::estimate::Estimates;
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
 use crate::watch::{Kept, Watch};
@@ -28,9 +28,9 @@ impl Saved {
         &self.belief
     }
 
-    /// The identified environment.
-    pub fn environment(&self) -> Environment {
-        self.belief.environment(self.watch.rejects())
+    /// What was identified.
+    pub fn estimates(&self) -> Estimates {
+        self.belief.estimates(self.watch.rejects())
     }
 
     /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,

@@ -139,12 +139,12 @@ fn what_was_learned_stays() {
     let (mut robot, mut controller) = (Robot::new(), begun());
     robot.until(&mut controller, |controller| controller.progress().stage == Stage::Driving);
     let restored = restarted(&controller);
-    assert_eq!(restored.environment(), controller.environment());
-    assert_ne!(restored.environment(), Controller::new(Settings::default()).environment());
+    assert_eq!(restored.estimates(), controller.estimates());
+    assert_ne!(restored.estimates(), Controller::new(Settings::default()).estimates());
     assert_eq!(restored.saved(), controller.saved());
 }
 
-/// The bug to fear: a time of the old clock, by which the new one is judged.
+/// Guards against: a time of the old clock, by which the new one is judged.
 #[test]
 fn nothing_of_the_robots_clock_is_saved() {
     let (mut robot, mut controller) = (Robot::new(), begun());
@@ -166,7 +166,7 @@ fn a_stopped_robot_stays_stopped() {
     assert_eq!(robot.pose, Pose::default());
 }
 
-/// The bug to fear: an index beyond a shorter task, or a belief that grew from another prior.
+/// Guards against: an index beyond a shorter task, or a belief that grew from another prior.
 #[test]
 fn what_was_saved_under_other_settings_or_another_task_is_not_taken_up() {
     let (mut robot, mut controller) = (Robot::new(), begun());
