@@ -7,6 +7,7 @@ use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::identification::estimate::Channel;
 use umwelt_core::task::{Limit, Stage, Task};
+use umwelt_core::time::RobotTime;
 use umwelt_core::watch::{Alarm, Condition, Oddity};
 
 #[test]
@@ -173,7 +174,7 @@ fn an_alarm_and_what_was_learned_of_speeds_outlive_a_restart() {
 
 /// One request of a robot that stands; whether it is commanded to rest.
 fn is_rest(controller: &mut Controller, sequence: u64) -> bool {
-    let sent = 1.0 + 0.03 * sequence as f64;
+    let sent = RobotTime::new(1.0 + 0.03 * sequence as f64);
     let jitter = 1e-4 * (sequence as f64).sin();
     let pose = Pose::new(0.5 + jitter, jitter, jitter);
     let observations = [Observation { pose, taken: sent - 0.05 }].into_iter().collect();

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use umwelt_core::identification::estimate::Channel;
 use umwelt_core::identification::{Belief, SampleObserver, Samples};
+use umwelt_core::time::RobotTime;
 
 /// Samples of a channel that are taken in before intervals are asked of it: before, nothing has been identified.
 pub const SAMPLES_BEFORE: u64 = 10;
@@ -41,7 +42,7 @@ impl CoverageRecorder {
 }
 
 impl SampleObserver for CoverageRecorder {
-    fn on_samples(&mut self, belief: &Belief, samples: &Samples, start: f64) {
+    fn on_samples(&mut self, belief: &Belief, samples: &Samples, start: RobotTime) {
         let model = belief.model();
         let models = [model.forward, model.lateral, model.turn];
         for ((channel, model), sample) in Channel::ALL.iter().zip(models).zip(samples) {

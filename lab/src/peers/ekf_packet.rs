@@ -26,6 +26,7 @@ use umwelt_core::geometry::{Displacement, Pose};
 use umwelt_core::identification::Belief;
 use umwelt_core::prediction::{ERROR_WINDOW, ErrorModel};
 use umwelt_core::settings::{Attribution, Settings};
+use umwelt_core::time::RobotTime;
 
 /// Noise of the motion that the filter reckons with. Shares are standard deviations over 100 ms at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +69,7 @@ pub struct EkfPacket {
     /// Covariance of the pose estimated last.
     covariance: Matrix3<f64>,
     /// When that pose was taken, and where it was estimated to be.
-    last: Option<(f64, Pose)>,
+    last: Option<(RobotTime, Pose)>,
 }
 
 impl EkfPacket {
@@ -112,7 +113,7 @@ impl PoseEstimator for EkfPacket {
 
     fn filter_pose(
         &mut self,
-        taken: f64,
+        taken: RobotTime,
         observed: Pose,
         predicted: Pose,
         moved: Displacement,
@@ -182,7 +183,7 @@ mod tests {
             truth = truth.then(slipped);
             let (x, y) = (truth.x + draw(noise.position), truth.y + draw(noise.position));
             let observed = Pose::new(x, y, truth.heading.radians() + draw(noise.heading));
-            let taken = f64::from(step) * 0.03;
+            let taken = RobotTime::new(f64::from(step) * 0.03);
             let predicted = believed.map_or(observed, |pose: Pose| pose.then(moved));
             let pose = filter.filter_pose(taken, observed, predicted, moved);
             believed = Some(pose);
@@ -215,9 +216,9 @@ mod tests {
         let noise = PoseNoise { position: 1.0, heading: 1e-3 };
         let exact = EkfTuning { share: 0.0, drift: 0.0, floor: (0.0, 0.0), ..EkfTuning::default() };
         let mut filter = EkfPacket::new(exact, &Settings { noise, ..Settings::default() });
-        filter.reset(Observation { pose: from, taken: 0.0 });
+        filter.reset(Observation { pose: from, taken: RobotTime::ZERO });
         filter.covariance = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 1e-6));
-        filter.filter_pose(1.0, one, one, moved);
+        filter.filter_pose(RobotTime::new(1.0), one, one, moved);
         let covariance = filter.covariance();
         assert!((covariance[(0, 1)] / covariance[(1, 1)] + dy / dx).abs() < 1e-6, "{covariance}");
     }
@@ -230,7 +231,7 @@ mod tests {
             Controller::with(settings, EkfTuning::default().compensation(&settings));
         let camera = controller.compensation().estimator.camera;
         for sequence in 1..=10 + u64::from(ACCEPTED_AGAIN) {
-            let taken = sequence as f64 * 0.03;
+            let taken = RobotTime::new(sequence as f64 * 0.03);
             let x = if sequence <= 10 { 0.0 } else { 1.0 };
             let mut request = Request { sequence, sent: taken + 0.13, ..Request::EMPTY };
             request.observations.push(Observation { pose: Pose::new(x, 0.0, 0.0), taken });

@@ -6,6 +6,7 @@ use umwelt_core::controller::compensation::{
 use umwelt_core::geometry::Pose;
 use umwelt_core::prediction::Prediction;
 use umwelt_core::settings::Settings;
+use umwelt_core::time::RobotTime;
 
 /// Steers by the last pose as if the robot stood there now: no delay is made up for.
 ///
@@ -34,9 +35,9 @@ impl PoseEstimator for NoCompensation {
     fn predict_pose(
         &self,
         settings: &Settings,
-        _: f64,
+        _: RobotTime,
         observed: Pose,
-        _: f64,
+        _: RobotTime,
         _: Prediction,
     ) -> Prediction {
         Prediction::moments(observed, settings.noise)

@@ -9,6 +9,7 @@ use crate::task;
 use serde::{Deserialize, Serialize};
 use umwelt_core::geometry;
 use umwelt_core::horizon::{self, MAX_SLOTS};
+use umwelt_core::time::RobotTime;
 use utoipa::ToSchema;
 
 /// From a fast motor controller's cycle to that of a robot nobody would call controlled.
@@ -95,7 +96,7 @@ impl Horizon {
         Ok(horizon::Horizon {
             sequence: self.sequence,
             answers: self.answers,
-            start: self.start_s,
+            start: RobotTime::new(self.start_s),
             slot: self.slot_s,
             watchdog: self.watchdog_s,
             speeds: speeds.collect(),
@@ -108,10 +109,10 @@ impl From<&horizon::Horizon> for Horizon {
         Self {
             sequence: core.sequence,
             answers: core.answers,
-            start_s: core.start,
+            start_s: core.start.seconds(),
             slot_s: core.slot,
             watchdog_s: core.watchdog,
-            valid_until_s: number::known(core.valid_until()),
+            valid_until_s: number::known(core.valid_until().seconds()),
             wheel_speeds: core.speeds.iter().copied().map(WheelSpeeds::from).collect(),
         }
     }

@@ -15,6 +15,7 @@ use umwelt_core::actuation;
 use umwelt_core::exchange::{self, MAX_DELIVERIES, MAX_OBSERVATIONS};
 use umwelt_core::geometry;
 use umwelt_core::local::LocalLimits;
+use umwelt_core::time::RobotTime;
 use utoipa::ToSchema;
 
 /// Largest body of a step in bytes; a full one has 6 KiB.
@@ -194,7 +195,7 @@ impl Request {
         Self {
             sequence: core.sequence,
             epoch,
-            sent_s: core.sent,
+            sent_s: core.sent.seconds(),
             observations: core.observations.iter().copied().map(Observation::from).collect(),
             deliveries: core.deliveries.iter().copied().map(Delivery::from).collect(),
             playing: core.playing.map(Playing::from),
@@ -212,12 +213,12 @@ impl Request {
         Ok(exchange::Request {
             sequence: self.sequence,
             connection: 0,
-            sent: self.sent_s,
+            sent: RobotTime::new(self.sent_s),
             observations: self.observations.iter().copied().map(Observation::convert).collect(),
             deliveries: self.deliveries.iter().copied().map(Delivery::convert).collect(),
             playing: self.playing.map(|playing| actuation::Playing {
                 horizon: playing.horizon,
-                since: playing.since_s,
+                since: RobotTime::new(playing.since_s),
             }),
             limits: LocalLimits { hold: self.hold, max_speed: self.max_speed_m_per_s },
         })
@@ -230,7 +231,7 @@ impl From<exchange::Observation> for Observation {
             x_m: core.pose.x,
             y_m: core.pose.y,
             heading_rad: core.pose.heading.radians(),
-            taken_s: core.taken,
+            taken_s: core.taken.seconds(),
         }
     }
 }
@@ -239,7 +240,7 @@ impl Observation {
     fn convert(self) -> exchange::Observation {
         exchange::Observation {
             pose: geometry::Pose::new(self.x_m, self.y_m, self.heading_rad),
-            taken: self.taken_s,
+            taken: RobotTime::new(self.taken_s),
         }
     }
 }
@@ -258,6 +259,6 @@ impl Delivery {
 
 impl From<actuation::Playing> for Playing {
     fn from(core: actuation::Playing) -> Self {
-        Self { horizon: core.horizon, since_s: core.since }
+        Self { horizon: core.horizon, since_s: core.since.seconds() }
     }
 }

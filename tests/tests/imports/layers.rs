@@ -11,6 +11,7 @@ pub const LAYERS: &[(&str, Layers)] = &[("umwelt-core", CORE), ("umwelt-lab", LA
 
 const CORE: Layers = &[
     &["robot/geometry/"],
+    &["robot/time.rs"],
     &["robot/kinematics.rs"],
     &["robot/horizon.rs"],
     &["robot/"],

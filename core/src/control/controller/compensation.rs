@@ -13,6 +13,7 @@ use crate::prediction::{ErrorModel, Prediction};
 use crate::settings::Settings;
 use crate::steering;
 use crate::task::Limit;
+use crate::time::RobotTime;
 
 /// Longest time in s that a pose is predicted ahead; beyond it the robot rests until a fresh pose comes.
 const MAX_AHEAD: f64 = 2.0;
@@ -25,11 +26,11 @@ pub trait PoseEstimator {
         let _ = observation;
     }
 
-    /// The pose to go on from, where one was observed at `taken` s. By the commands alone the robot has moved by `moved`
+    /// The pose to go on from, where one was observed at `taken`. By the commands alone the robot has moved by `moved`
     /// since the last pose gone on from, and stands at `predicted`.
     fn filter_pose(
         &mut self,
-        taken: f64,
+        taken: RobotTime,
         observed: Pose,
         predicted: Pose,
         moved: Displacement,
@@ -44,14 +45,14 @@ pub trait PoseEstimator {
         belief.model()
     }
 
-    /// The pose when the next command comes into force at `begins` s, where `observed` was gone on from at `taken` s and
+    /// The pose when the next command comes into force at `begins`, where `observed` was gone on from at `taken` and
     /// the commands in flight lead to `predicted`.
     fn predict_pose(
         &self,
         settings: &Settings,
-        taken: f64,
+        taken: RobotTime,
         observed: Pose,
-        begins: f64,
+        begins: RobotTime,
         predicted: Prediction,
     ) -> Prediction {
         let _ = (settings, taken, observed, begins);

@@ -23,6 +23,7 @@ use crate::identification::estimate::Estimates;
 use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
 use crate::settings::Settings;
 use crate::task::{Limit, Progress, Stage, Task};
+use crate::time::RobotTime;
 use crate::watch::Watch;
 use compensation::{
     Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
@@ -88,8 +89,8 @@ pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     /// What was believed while the robot was still seen to move as commanded: at least so long before the last look that
     /// found it so as a look looks back, and at that look or before.
     healthy: Option<[[ChannelBelief; 4]; 2]>,
-    /// Robot time in s of the newer one; none for those of the beginning.
-    healthy_at: Option<f64>,
+    /// When the newer one was; none for those of the beginning.
+    healthy_at: Option<RobotTime>,
     /// What limits the speed at the start of the newest horizon.
     limit: Option<Limit>,
     /// What the robot itself allows.
@@ -194,7 +195,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.phase = self.phase.resumed();
             self.phases.clear();
         }
-        if self.heard.was_away(request.sent, f64::INFINITY) {
+        if self.heard.was_away(request.sent, RobotTime::NEVER) {
             self.pause_watch();
         }
     }

@@ -9,6 +9,7 @@ use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::identification::{SampleObserver, Verdict, Window};
 use crate::kinematics;
 use crate::settings::{Attribution, Settings};
+use crate::time::RobotTime;
 
 /// A gap between poses in s, beyond which a window of motion begins anew.
 const MAX_GAP: f64 = 0.5;
@@ -70,7 +71,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
     /// displacement, and what the wheels do at its end.
-    fn nominal(&self, track: &Track, until: f64) -> (Window, Displacement, WheelSpeeds) {
+    fn nominal(&self, track: &Track, until: RobotTime) -> (Window, Displacement, WheelSpeeds) {
         let drive = &self.settings.drive;
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
@@ -83,7 +84,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     }
 
     /// The commands that act on the robot from `from` to `until`: dead time after they come into force.
-    pub(super) fn walk(&self, from: f64, until: f64, each: impl FnMut(WheelSpeeds, f64)) {
+    pub(super) fn walk(
+        &self,
+        from: RobotTime,
+        until: RobotTime,
+        each: impl FnMut(WheelSpeeds, f64),
+    ) {
         let Settings { drive, attribution, .. } = &self.settings;
         self.commands.walk(
             *attribution,
@@ -164,7 +170,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     }
 
     /// Whether zero was played for three slots before `time`, by the robot's reports where there are any.
-    fn was_at_rest(&self, time: f64) -> bool {
+    fn was_at_rest(&self, time: RobotTime) -> bool {
         let drive = &self.settings.drive;
         (0..REST_SLOTS).all(|slot| {
             let then = time - drive.dead_time - f64::from(slot) * self.settings.slot;

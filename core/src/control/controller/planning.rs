@@ -11,6 +11,7 @@ use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use crate::settings::{PredictorKind, Settings};
 use crate::task::Limit;
+use crate::time::RobotTime;
 
 /// A pose at most this old in s, beyond the loop delay, is fresh.
 const FRESH: f64 = 0.15;
@@ -28,15 +29,15 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         // The robot holds no longer, whatever it was described with: what was driven is to be known.
         let watchdog = least(watchdog, MAX_WATCHDOG);
         let loop_delay = self.compensation.delay.loop_delay(&self.settings);
-        let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
-        let soonest = (request.sent + slot).max(newest);
+        let newest = self.commands.newest().map_or(RobotTime::BEFORE_ALL, |newest| newest.start);
+        let soonest = (request.sent + slot).later(newest);
         let Some(track) = self.track else {
             let horizon = self.commands.begin(request.sequence, soonest, slot, watchdog);
             horizon.speeds.push(WheelSpeeds::ZERO);
             return horizon;
         };
         let taken = track.last.taken;
-        let begins = soonest.max(taken + loop_delay);
+        let begins = soonest.later(taken + loop_delay);
         let since_change = self.enter_phase(newest, begins);
 
         let model = self.compensation.estimator.error_model(&self.belief, track.last.pose);
@@ -76,7 +77,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The phase at the start of the new horizon: what the old plan had come to by then. Returns the time in s since
     /// the old plan's last change of command.
-    fn enter_phase(&mut self, old_start: f64, start: f64) -> f64 {
+    fn enter_phase(&mut self, old_start: RobotTime, start: RobotTime) -> f64 {
         let slot = self.settings.slot;
         let phases = &self.phases;
         if phases.is_empty() {
@@ -107,7 +108,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         &self,
         track: &Track,
         model: &ErrorModel,
-        start: f64,
+        start: RobotTime,
         sequence: u64,
     ) -> (Prediction, WheelSpeeds) {
         let Settings { drive, noise, predictor, .. } = &self.settings;

@@ -10,11 +10,13 @@ use arrayvec::ArrayVec;
 use proptest::prelude::*;
 
 fn request(sequence: u64, sent: f64, poses: &[(f64, Pose)]) -> Request {
+    let observed =
+        |&(taken, pose): &(f64, Pose)| Observation { pose, taken: RobotTime::new(taken) };
     Request {
         sequence,
         connection: 0,
-        sent,
-        observations: poses.iter().map(|&(taken, pose)| Observation { pose, taken }).collect(),
+        sent: RobotTime::new(sent),
+        observations: poses.iter().map(observed).collect(),
         deliveries: ArrayVec::new(),
         playing: None,
         limits: LocalLimits::NONE,
@@ -69,7 +71,7 @@ impl Ideal {
         self.horizons.push(output.horizon.clone());
         let drive = self.controller.settings.drive;
         for piece in 0..6 {
-            let at = now + self.period * (f64::from(piece) + 0.5) / 6.0;
+            let at = RobotTime::new(now + self.period * (f64::from(piece) + 0.5) / 6.0);
             let playing = self.horizons.iter().rev().find(|horizon| horizon.start <= at);
             let speeds = playing.map_or(WheelSpeeds::ZERO, |horizon| horizon.at(at, &drive));
             let twist = kinematics::forward(&drive, speeds);
@@ -95,15 +97,19 @@ fn before_the_first_pose_nothing_moves() {
 fn a_horizon_begins_a_loop_delay_after_its_pose_and_never_before_the_last_one() {
     let mut controller = standing(Settings::default(), to(1.0, 0.0));
     let first = controller.step(&request(1, 5.13, &[(5.0, Pose::default())])).horizon;
-    assert!((first.start - 5.23).abs() < 1e-12);
+    assert!((first.start.seconds() - 5.23).abs() < 1e-12);
     let stale = controller.step(&request(2, 5.14, &[])).horizon;
     assert!(stale.start >= first.start);
     let much_later = controller.step(&request(3, 6.0, &[])).horizon;
-    assert!(much_later.start >= 6.0, "no horizon begins in the past: {}", much_later.start);
+    assert!(
+        much_later.start >= RobotTime::new(6.0),
+        "no horizon begins in the past: {}",
+        much_later.start
+    );
 }
 
 #[test]
-fn a_robot_that_moves_as_told_arrives_and_every_waypoint_is_seen() {
+fn a_robot_that_moves_as_commanded_arrives_and_every_waypoint_is_seen() {
     let mut ideal = Ideal::new(standing(Settings::default(), Task::thesis()));
     let events = ideal.run(1200);
     let reached: Vec<usize> = events

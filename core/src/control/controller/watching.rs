@@ -12,6 +12,7 @@ use crate::identification::{Belief, Window};
 use crate::kinematics;
 use crate::settings::{Attribution, Settings};
 use crate::task::{Limit, Task};
+use crate::time::RobotTime;
 use crate::watch::{Alarm, Finding, Goal, Oddity, Situation, Step};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -56,8 +57,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.task.is_some() && !self.stopped && !is_done
     }
 
-    /// How old the newest accepted pose is at robot time `now`.
-    pub(super) fn watch_age(&mut self, now: f64, events: &mut Events) {
+    /// How old the newest accepted pose is `now`.
+    pub(super) fn watch_age(&mut self, now: RobotTime, events: &mut Events) {
         if !self.is_watched {
             return;
         }
@@ -71,8 +72,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
     }
 
-    /// A pose was set aside at robot time `taken`.
-    pub(super) fn watch_set_aside(&mut self, taken: f64, events: &mut Events) {
+    /// A pose was set aside at `taken`.
+    pub(super) fn watch_set_aside(&mut self, taken: RobotTime, events: &mut Events) {
         if self.is_watched && self.wants_motion() && !self.watch.rests() {
             let finding = self.watch.set_aside(taken);
             self.take_up(finding, events);
@@ -149,7 +150,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// The robot moves as commanded: what is believed now is worth coming back to, once it is known that it still did a
     /// look later.
     fn keep_healthy(&mut self) {
-        let now = self.track.map_or(0.0, |track| track.last.taken);
+        let now = self.track.map_or(RobotTime::ZERO, |track| track.last.taken);
         if let Some([older, newer]) = &mut self.healthy
             && self.healthy_at.is_none_or(|at| now - at >= LOOKED_BACK)
         {
@@ -188,7 +189,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
 /// Whether the robot played from `from` to `until`, as far as it reports that, what the commands are counted by: replies that
 /// come late are no fault of the robot.
-fn was_played(commands: &Commands, settings: &Settings, from: f64, until: f64) -> bool {
+fn was_played(commands: &Commands, settings: &Settings, from: RobotTime, until: RobotTime) -> bool {
     let Settings { drive, slot, attribution, .. } = settings;
     let (from, until) = (from - drive.dead_time, until - drive.dead_time);
     if !commands.is_reported() {

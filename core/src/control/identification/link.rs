@@ -6,6 +6,7 @@ use crate::conjugate::{BetaBernoulli, NormalInverseChiSquared};
 use crate::exchange::{Delivery, Observation};
 use crate::geometry::elementary::{exp, ln};
 use crate::horizon::SLOT;
+use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -35,10 +36,10 @@ pub struct LinkBelief {
     late: BetaBernoulli,
     deliveries: u64,
     late_deliveries: u64,
-    /// (sequence, time at which its newest pose was taken).
-    requests: VecDeque<(u64, f64)>,
-    /// When the last late delivery arrived, in robot time.
-    late_arrival: Option<f64>,
+    /// (sequence, when its newest pose was taken).
+    requests: VecDeque<(u64, RobotTime)>,
+    /// When the last late delivery arrived.
+    late_arrival: Option<RobotTime>,
 }
 
 /// A loop of 0.2 s, give or take a factor of 1.5, worth one tenth of a delivery.
@@ -80,7 +81,7 @@ impl LinkBelief {
         let delay = delivery.loop_delay.max(SHORTEST);
         self.deliveries += 1;
         let asked = self.requests.iter().rev().find(|(sequence, _)| *sequence == delivery.sequence);
-        let arrival = asked.map(|(_, taken)| taken + delivery.loop_delay);
+        let arrival = asked.map(|(_, taken)| *taken + delivery.loop_delay);
         let held_back = arrival
             .zip(self.late_arrival)
             .is_some_and(|(arrival, late)| (arrival - late).abs() < SAME_INSTANT);
@@ -148,11 +149,11 @@ mod tests {
     /// One pose per slot, answered after `delay(i)`; in order, so nothing overtakes.
     fn learn(count: u64, delay: impl Fn(u64) -> f64) -> LinkEstimate {
         let mut belief = LinkBelief::default();
-        let mut last_arrival = f64::NEG_INFINITY;
+        let mut last_arrival = RobotTime::BEFORE_ALL;
         for i in 0..count {
-            let taken = i as f64 * SLOT;
+            let taken = RobotTime::new(i as f64 * SLOT);
             belief.request(i, Some(&Observation { pose: Pose::default(), taken }));
-            let arrival = (taken + delay(i)).max(last_arrival);
+            let arrival = (taken + delay(i)).later(last_arrival);
             last_arrival = arrival;
             belief.update(&Delivery { sequence: i, loop_delay: arrival - taken });
         }

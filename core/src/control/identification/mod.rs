@@ -20,6 +20,7 @@ pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Windo
 use super::condition::Condition;
 use crate::prediction::{ChannelModel, ErrorModel};
 use crate::settings::{Method, Prior};
+use crate::time::RobotTime;
 use estimate::{Channel, Estimates};
 use serde::{Deserialize, Serialize};
 
@@ -39,13 +40,13 @@ pub struct Belief {
 
 /// Sees what a controller learns, as it learns it.
 pub trait SampleObserver {
-    /// A window of motion from `start` s on gave `samples`, which `belief` has not taken in yet.
-    fn on_samples(&mut self, belief: &Belief, samples: &Samples, start: f64);
+    /// A window of motion from `start` on gave `samples`, which `belief` has not taken in yet.
+    fn on_samples(&mut self, belief: &Belief, samples: &Samples, start: RobotTime);
 }
 
 /// Sees nothing.
 impl SampleObserver for () {
-    fn on_samples(&mut self, _: &Belief, _: &Samples, _: f64) {}
+    fn on_samples(&mut self, _: &Belief, _: &Samples, _: RobotTime) {}
 }
 
 impl Belief {
@@ -67,8 +68,8 @@ impl Belief {
         }
     }
 
-    /// Takes in the samples of a window from `start` to `end`, robot times in s.
-    pub fn update(&mut self, samples: &Samples, start: f64, end: f64) {
+    /// Takes in the samples of a window from `start` to `end`.
+    pub fn update(&mut self, samples: &Samples, start: RobotTime, end: RobotTime) {
         for (channel, sample) in self.channels.iter_mut().zip(samples) {
             if let Some(sample) = sample {
                 channel.update(sample, start, end);
@@ -182,7 +183,7 @@ mod tests {
     fn learned(method: Method, ratios: &[f64]) -> Belief {
         let mut belief = Belief::new(method, &Prior::default(), false);
         for (i, &ratio) in ratios.iter().enumerate() {
-            let at = i as f64;
+            let at = RobotTime::new(i as f64);
             belief.update(&[Some(sample(ratio)), None, None, None], at, at + 0.12);
         }
         belief
@@ -211,7 +212,11 @@ mod tests {
     #[test]
     fn a_rotation_leaves_the_forward_channel_at_its_prior() {
         let mut belief = Belief::new(Method::Bayesian, &Prior::default(), false);
-        belief.update(&[None, None, Some(sample(0.1)), None], 0.0, 0.12);
+        belief.update(
+            &[None, None, Some(sample(0.1)), None],
+            RobotTime::ZERO,
+            RobotTime::new(0.12),
+        );
         assert_eq!(belief.channel(Channel::Forward).posterior(), Prior::default().forward);
         assert_ne!(belief.channel(Channel::Turn).posterior(), Prior::default().turn);
     }
@@ -255,7 +260,8 @@ mod tests {
         let status = |prior: &Prior, n: usize| {
             let mut belief = Belief::new(Method::Bayesian, prior, false);
             for i in 0..n {
-                belief.update(&[Some(sample(0.1)), None, None, None], i as f64, i as f64 + 0.12);
+                let at = RobotTime::new(i as f64);
+                belief.update(&[Some(sample(0.1)), None, None, None], at, at + 0.12);
             }
             [Channel::Forward, Channel::Turn].map(|channel| belief.status(channel, None).fraction())
         };

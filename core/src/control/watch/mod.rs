@@ -25,6 +25,7 @@ pub use fit::Fit;
 pub use look::Situation;
 pub use raise::{Floor, Floors, RAISED_FOR};
 
+use crate::time::RobotTime;
 use advance::Advance;
 use evidence::{Evidence, Jitter};
 use jumps::Jumps;
@@ -79,8 +80,8 @@ pub struct Watch {
     interval: f64,
     /// Fastest speeds in m/s and rad/s at which the robot was seen to move as commanded, of late.
     top: [f64; 2],
-    /// Robot time of the first request, until a pose comes.
-    waiting: Option<f64>,
+    /// When the first request was sent, until a pose comes.
+    waiting: Option<RobotTime>,
 }
 
 impl Watch {

@@ -7,6 +7,7 @@ use super::finding::Finding;
 use super::look::{SHOWS_STUCK, fast};
 use super::still::{Still, Stillness};
 use crate::settings::Settings;
+use crate::time::RobotTime;
 
 /// A cell holds this part of the motion that says something.
 const CELL_SHARE: f64 = 1.0 / 12.0;
@@ -27,8 +28,8 @@ const INTERVAL_SHARE: f64 = 0.2;
 const LONGEST_INTERVAL: f64 = 2.0;
 
 impl Watch {
-    /// A pose was set aside at robot time `taken`.
-    pub fn set_aside(&mut self, taken: f64) -> Finding {
+    /// A pose was set aside at `taken`.
+    pub fn set_aside(&mut self, taken: RobotTime) -> Finding {
         self.jumps.set_aside(taken);
         match self.jumps.most(taken) {
             Some((jumps, of)) => self.hold(Alarm::Jumping { jumps, of }),
@@ -36,11 +37,11 @@ impl Watch {
         }
     }
 
-    /// The newest pose is `age` s old at robot time `now`, none where there was none; `wants` says whether a task wants
+    /// The newest pose is `age` s old `now`, none where there was none; `wants` says whether a task wants
     /// the robot to move. Returns what has begun, and what has ended.
     pub fn age(
         &mut self,
-        now: f64,
+        now: RobotTime,
         age: Option<f64>,
         wants: bool,
     ) -> (Option<Alarm>, Option<Alarm>) {
@@ -60,7 +61,7 @@ impl Watch {
     }
 
     /// Takes in an accepted pose. `far` is what a robot can hardly have moved beside its commands, in m and rad; `wants`
-    /// says whether a task wants it to move, `played` whether it played the commands between two robot times. Returns the
+    /// says whether a task wants it to move, `played` whether it played the commands between two instants. Returns the
     /// kind of motion to look at, and what equal poses say.
     pub fn accept(
         &mut self,
@@ -68,7 +69,7 @@ impl Watch {
         step: &Step,
         far: (f64, f64),
         wants: bool,
-        played: impl Fn(f64, f64) -> bool,
+        played: impl Fn(RobotTime, RobotTime) -> bool,
     ) -> (Option<Kind>, Finding) {
         let (span, interval) = (step.to.taken - step.from.taken, self.interval);
         self.interval += INTERVAL_SHARE * (span.min(LONGEST_INTERVAL) - self.interval);

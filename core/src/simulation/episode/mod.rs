@@ -17,6 +17,7 @@ use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel, Slip};
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
+use crate::time::RobotTime;
 use on_the_way::{ON_THEIR_WAY, Packets, Queue};
 
 /// Default longest simulated time of an episode in s.
@@ -174,7 +175,7 @@ impl Scenario {
     }
 }
 
-/// Robot, link and server of one episode, at one moment.
+/// Robot, link and server of one episode, at one moment. Simulated time is in s; the robot's clock reads the same.
 struct World<'a, E, D, F> {
     scenario: &'a Scenario,
     /// Whether the robot is in the region.
@@ -224,8 +225,8 @@ impl<'a, E: PoseEstimator, D: DelayModel, F: PathFollower> World<'a, E, D, F> {
             moved: 0.0,
             plant: Plant::new(scenario.plant, scenario.start, seed)?,
             link: Link::new(scenario.link.clone(), seed)?,
-            exchange: Exchange::new(0.0),
-            actuation: Actuation::new(controller.settings().drive, 0.0),
+            exchange: Exchange::new(RobotTime::ZERO),
+            actuation: Actuation::new(controller.settings().drive, RobotTime::ZERO),
             server: Server {
                 controller,
                 newest_request: 0,
@@ -260,13 +261,16 @@ impl<'a, E: PoseEstimator, D: DelayModel, F: PathFollower> World<'a, E, D, F> {
     fn next(&mut self, observer: &mut impl SampleObserver) {
         let frame = self.frames as f64 * SLOT;
         let packet = least(self.upward.arrivals.first, self.downward.arrivals.first);
-        let robot = least(self.actuation.next_change(), self.exchange.next_request(self.now));
+        let request = self.exchange.next_request(RobotTime::new(self.now));
+        let robot = self.actuation.next_change().earlier(request).seconds();
         let next = most(self.now, least(least(frame, self.seen.first), least(packet, robot)));
         self.now = next;
+        let now = RobotTime::new(next);
         if frame <= next {
             self.frames += 1;
             self.drive();
-            let observation = Observation { pose: self.plant.observe(), taken: frame };
+            let observation =
+                Observation { pose: self.plant.observe(), taken: RobotTime::new(frame) };
             self.seen.insert(self.link.sensor(frame), observation);
         }
         while let Some(observation) = self.seen.due(next) {
@@ -283,16 +287,16 @@ impl<'a, E: PoseEstimator, D: DelayModel, F: PathFollower> World<'a, E, D, F> {
             }
         }
         while let Some(horizon) = self.downward.due(next) {
-            self.exchange.reply(next, horizon.answers);
+            self.exchange.reply(now, horizon.answers);
             self.actuation.accept(horizon);
         }
-        let applied = self.actuation.advance(next);
+        let applied = self.actuation.advance(now);
         if applied != self.applied {
             self.drive();
             self.applied = applied;
         }
         let playing = self.actuation.playing();
-        if self.exchange.write_request(next, playing, self.upward.place())
+        if self.exchange.write_request(now, playing, self.upward.place())
             && let Some(arrival) = self.link.uplink(next)
         {
             self.upward.send(arrival);
@@ -341,7 +345,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Server<E, D, F> {
     /// In a step that reaches a waypoint, positions on either side of it belong to the nearer of the two legs.
     fn measure(&mut self, before: Option<(Point, Point)>) {
         let after = self.controller.leg();
-        let seen = self.controller.pose().map_or(f64::NEG_INFINITY, |pose| pose.taken);
+        let seen = self.controller.pose().map_or(f64::NEG_INFINITY, |pose| pose.taken.seconds());
         while let Some(point) = self.travelled.due(seen) {
             let legs = before.into_iter().chain(after);
             let distance = legs.map(|(from, to)| point.distance_to_segment(from, to));

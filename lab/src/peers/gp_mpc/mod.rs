@@ -27,6 +27,7 @@ use umwelt_core::geometry::{Displacement, Pose};
 use umwelt_core::identification::Belief;
 use umwelt_core::prediction::{ErrorModel, Prediction};
 use umwelt_core::settings::{Attribution, PoseNoise, Settings};
+use umwelt_core::time::RobotTime;
 
 /// A gap between poses in s, beyond which the history begins anew: what was there before says nothing of now.
 const MAX_GAP: f64 = 0.5;
@@ -84,7 +85,7 @@ struct Open {
     /// By the commands, from the start to the last pose.
     commanded: Displacement,
     /// When the last pose was taken.
-    until: f64,
+    until: RobotTime,
 }
 
 /// The estimator: what the model has missed lately is extrapolated over the delay.
@@ -113,9 +114,10 @@ impl GpEstimator {
         }
     }
 
-    /// The motion that the model is expected to miss from `from` to `until` s, in the body frame: the expected rate,
+    /// The motion that the model is expected to miss from `from` to `until`, in the body frame: the expected rate,
     /// integrated by Simpson's rule.
-    fn missed(&self, from: f64, until: f64) -> Displacement {
+    fn missed(&self, from: RobotTime, until: RobotTime) -> Displacement {
+        let (from, until) = (from.seconds(), until.seconds());
         let (middle, span) = (f64::midpoint(from, until), until - from);
         let integral = |process: &GaussianProcess| {
             let [first, half, last] = [from, middle, until].map(|time| process.mean(time));
@@ -133,7 +135,7 @@ impl GpEstimator {
         let span = end.taken - window.start.taken;
         let expected = window.start.pose.then(window.commanded);
         let residual = end.pose.relative_to(expected);
-        let time = f64::midpoint(window.start.taken, end.taken);
+        let time = f64::midpoint(window.start.taken.seconds(), end.taken.seconds());
         // Two poses, each with its noise.
         let noise = |sd: f64| (2.0_f64.sqrt() * sd / span).max(1e-6);
         let (position, heading) = (noise(self.noise.position), noise(self.noise.heading));
@@ -152,7 +154,13 @@ impl PoseEstimator for GpEstimator {
         self.window = Some(Open { start, commanded: Displacement::default(), until });
     }
 
-    fn filter_pose(&mut self, taken: f64, observed: Pose, _: Pose, moved: Displacement) -> Pose {
+    fn filter_pose(
+        &mut self,
+        taken: RobotTime,
+        observed: Pose,
+        _: Pose,
+        moved: Displacement,
+    ) -> Pose {
         let end = Observation { pose: observed, taken };
         let Some(window) = self.window.filter(|window| taken - window.until <= MAX_GAP) else {
             self.reset(end);
@@ -175,9 +183,9 @@ impl PoseEstimator for GpEstimator {
     fn predict_pose(
         &self,
         settings: &Settings,
-        taken: f64,
+        taken: RobotTime,
         _: Pose,
-        begins: f64,
+        begins: RobotTime,
         predicted: Prediction,
     ) -> Prediction {
         // How unsure the pose is does not matter: the variance rule is off.
@@ -201,10 +209,10 @@ mod tests {
         let real =
             Displacement { forward: (speed + slip) * slot, lateral: 0.0, turn: turned * slot };
         let mut pose = Pose::default();
-        peer.reset(Observation { pose, taken: 0.0 });
-        let mut taken = 0.0;
+        peer.reset(Observation { pose, taken: RobotTime::ZERO });
+        let mut taken = RobotTime::ZERO;
         for step in 1..60 {
-            taken = f64::from(step) * slot;
+            taken = RobotTime::new(f64::from(step) * slot);
             pose = pose.then(real);
             peer.filter_pose(taken, pose, pose, commanded);
         }

@@ -7,6 +7,7 @@ use super::roll::Roll;
 use crate::geometry::{Displacement, Pose, Twist, length};
 use crate::steering;
 use crate::task::{Limit, Task};
+use crate::time::RobotTime;
 use std::f64::consts::TAU;
 
 /// A turn smaller than this many rad is never worth making at the start of a leg: the curve takes it.
@@ -42,11 +43,11 @@ impl<F: PathFollower> Roll<'_, F> {
     }
 
     /// Whether `seconds` have passed since `since`.
-    fn has_passed(&self, since: f64, seconds: f64) -> bool {
+    fn has_passed(&self, since: RobotTime, seconds: f64) -> bool {
         self.state.time - since >= seconds - SAME_TIME
     }
 
-    fn rotate(&mut self, task: &Task, turn: u32, since: Option<f64>) -> Option<Twist> {
+    fn rotate(&mut self, task: &Task, turn: u32, since: Option<RobotTime>) -> Option<Twist> {
         let calibration = task.calibration.filter(|calibration| turn < calibration.rotations);
         let Some(calibration) = calibration else {
             let goes_straight = task.calibration.is_some_and(|it| it.straight > 0.0);
@@ -76,7 +77,7 @@ impl<F: PathFollower> Roll<'_, F> {
         task: &Task,
         outbound: bool,
         origin: Pose,
-        since: Option<f64>,
+        since: Option<RobotTime>,
     ) -> Option<Twist> {
         let length = task.calibration.map_or(0.0, |calibration| calibration.straight);
         let ahead = Displacement { forward: length, ..Displacement::default() };
@@ -186,7 +187,7 @@ impl<F: PathFollower> Roll<'_, F> {
         }
     }
 
-    fn rest(&mut self, task: &Task, leg: usize, since: Option<f64>) -> Option<Twist> {
+    fn rest(&mut self, task: &Task, leg: usize, since: Option<RobotTime>) -> Option<Twist> {
         if !self.rests() {
             self.state.phase = Phase::Stopping { leg, since: None };
             return Some(Twist::ZERO);

@@ -7,6 +7,7 @@ use crate::kinematics;
 use crate::prediction::{ErrorModel, Motion, Prediction};
 use crate::settings::Settings;
 use crate::task::{Limit, Task};
+use crate::time::RobotTime;
 use crate::watch::Floors;
 
 /// Parts of the speed by which the variance rule slows a command down (delta alpha of the thesis, section 4.1.4).
@@ -15,8 +16,8 @@ const SLOWER: u32 = 10;
 /// What a plan starts from.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Robot time in s at which the first slot begins.
-    pub time: f64,
+    /// When the first slot begins.
+    pub time: RobotTime,
     /// Time in s since the command in force began: what the first change has to keep the acceleration limit.
     pub since_change: f64,
     /// What the wheels really do then.

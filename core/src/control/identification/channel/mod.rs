@@ -13,6 +13,7 @@ use super::status::Status;
 use super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics};
 use crate::prediction::ChannelModel;
+use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
 
 /// What is believed of one channel. Its stored form is that of its estimator: a second one has to have other fields.
@@ -29,16 +30,16 @@ impl ChannelBelief {
         Self::Stationary(Stationary::new(channel, prior))
     }
 
-    /// Takes in the sample of a window from `start` to `end`, both robot times in s.
-    pub fn update(&mut self, sample: &Sample, start: f64, end: f64) {
+    /// Takes in the sample of a window from `start` to `end`.
+    pub fn update(&mut self, sample: &Sample, start: RobotTime, end: RobotTime) {
         match self {
             Self::Stationary(stationary) => stationary.update(sample, start, end),
         }
     }
 
-    /// Whether a sample from `start` s on, not yet taken in, lies within the interval that is to hold it with
+    /// Whether a sample from `start` on, not yet taken in, lies within the interval that is to hold it with
     /// probability [`LEVEL`](super::estimate::LEVEL) where predictions assume `model`.
-    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: f64) -> bool {
+    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: RobotTime) -> bool {
         match self {
             Self::Stationary(stationary) => stationary.expects(model, sample, start),
         }

@@ -5,13 +5,14 @@ use super::super::status::{Status, progress};
 use super::super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
+use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
 
 /// What is known of the pose noise at the end of the last window: it enters the next one with the other sign.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct SharedNoise {
-    /// Time in s at which the shared pose was taken.
-    taken: f64,
+    /// When the shared pose was taken.
+    taken: RobotTime,
     /// Expected noise of that pose along this channel.
     mean: f64,
     variance: f64,
@@ -81,14 +82,14 @@ impl Stationary {
         }
     }
 
-    /// Takes in the sample of a window from `start` to `end`, both robot times in s.
+    /// Takes in the sample of a window from `start` to `end`.
     ///
     /// Consecutive windows share a pose, whose noise enters them with opposite signs (correlation -1/2). A Kalman filter
     /// carries what the last window says about that noise together with the mean ratio: with e the noise of the pose at
     /// the window's beginning, E\[e | mu\] = e^ + a (mu - mu^) for a = Cov(mu, e)/Var(mu), so a sample is an observation
     /// of h mu, h = 1 - a/l, under noise that has nothing to do with mu. Each sample so enters by its likelihood given
     /// the ones before, and over many windows the noise of the poses between them cancels.
-    pub fn update(&mut self, sample: &Sample, start: f64, end: f64) {
+    pub fn update(&mut self, sample: &Sample, start: RobotTime, end: RobotTime) {
         let Sample { motion, pose_variance, weight, .. } = *sample;
         let Corrected { innovation, response, noise, .. } = self.corrected(sample, start);
 
@@ -115,8 +116,8 @@ impl Stationary {
         );
     }
 
-    /// What a sample from `start` s on says of the mean ratio.
-    fn corrected(&self, sample: &Sample, start: f64) -> Corrected {
+    /// What a sample from `start` on says of the mean ratio.
+    fn corrected(&self, sample: &Sample, start: RobotTime) -> Corrected {
         let Sample { motion, pose_variance, other_variance, .. } = *sample;
         let unknown =
             SharedNoise { taken: start, mean: 0.0, variance: pose_variance, covariance: 0.0 };
@@ -134,9 +135,9 @@ impl Stationary {
         }
     }
 
-    /// Whether a sample from `start` s on, not yet taken in, lies within the interval that is to hold it with
+    /// Whether a sample from `start` on, not yet taken in, lies within the interval that is to hold it with
     /// probability [`LEVEL`] where predictions assume `model`.
-    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: f64) -> bool {
+    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: RobotTime) -> bool {
         let corrected = self.corrected(sample, start);
         let Corrected { innovation, response, noise, whole_noise } = corrected;
         let half = match model.posterior {
@@ -248,7 +249,8 @@ mod tests {
             let ratio = -0.1 + sd / weight.sqrt() * normal() + (after - before) / motion;
             let sample =
                 Sample { ratio, weight, motion, pose_variance: noise * noise, other_variance: 0.0 };
-            belief.update(&sample, f64::from(i) * 0.12, f64::from(i + 1) * 0.12);
+            let [start, end] = [i, i + 1].map(|i| RobotTime::new(f64::from(i) * 0.12));
+            belief.update(&sample, start, end);
             before = after;
         }
         belief
@@ -261,7 +263,8 @@ mod tests {
         for (i, ratio) in [0.1, -0.05, 0.2].into_iter().enumerate() {
             let sample =
                 Sample { ratio, weight: 1.2, motion: 0.1, pose_variance: 0.0, other_variance: 0.0 };
-            belief.update(&sample, i as f64, i as f64 + 1.0);
+            let start = RobotTime::new(i as f64);
+            belief.update(&sample, start, start + 1.0);
             plain = plain.update_weighted(ratio, 1.2);
         }
         assert_eq!(belief.posterior(), plain);
