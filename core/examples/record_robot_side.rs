@@ -19,6 +19,7 @@ use umwelt_core::local::LocalLimits;
 use umwelt_core::plant::{Plant, PlantModel, Slip};
 use umwelt_core::settings::Settings;
 use umwelt_core::task::Task;
+use umwelt_core::time::RobotTime;
 
 /// Recorded time in s.
 const SPAN: f64 = 4.2;
@@ -76,7 +77,8 @@ fn record(drive: Drive) -> Result<Vec<(f64, Event)>, Box<dyn std::error::Error>>
         now = next;
         if frame <= now {
             frames += 1;
-            let seen = Event::Pose(Observation { pose: plant.observe(), taken: frame });
+            let seen =
+                Event::Pose(Observation { pose: plant.observe(), taken: RobotTime::new(frame) });
             packets.push((link.sensor(frame), Packet::ToRobot(seen)));
         }
         while let Some(index) = packets.iter().position(|(at, _)| *at <= now) {

@@ -6,12 +6,12 @@
 //!
 //! It has three parts, each of which uses those before it:
 //!
-//! * **The robot's side**: [`exchange`] decides which request to send when, [`actuation`] what to play of the replies, within
-//!   what the robot itself allows ([`local`]). Below them are [`horizon`], [`kinematics`] and [`geometry`].
+//! * **The robot's side**: [`exchange`] says which request to send when, [`actuation`] what to play of the replies, within
+//!   what the robot itself allows ([`local`]). Below them [`horizon`], [`kinematics`], [`geometry`] and [`time`].
 //! * **The controller's side**: [`controller`] answers a request with a horizon. It identifies the environment
 //!   ([`identification`], by [`conjugate`] beliefs), predicts where the robot will be ([`prediction`], along the
-//!   [`commands`] in force), and steers from there ([`steering`]) through a [`task`]. The [`watch`] compares what was
-//!   commanded with what is seen. [`settings`] describe the robot and the method.
+//!   [`commands`] in force), and steers from there ([`steering`]) through a [`task`]; the [`watch`] looks whether the robot
+//!   moves as commanded. [`settings`] describe the robot and how to control it.
 //! * **The simulation**: a [`plant`] on a floor, a [`link`] that is late and loses packets, and both with the two sides
 //!   above as an [`episode`] in simulated time. [`fixed_models`] measures with it. The crate `umwelt-lab` drives episodes
 //!   by the thousand; it shares the random numbers at an index ([`draws`]).
@@ -33,15 +33,16 @@
 //! use umwelt_core::plant::{Plant, PlantModel, Slip};
 //! use umwelt_core::settings::Settings;
 //! use umwelt_core::task::Task;
+//! use umwelt_core::time::RobotTime;
 //!
 //! let (settings, goal) = (Settings::default(), Point::new(0.3, 0.1));
 //! let mut controller = Controller::new(settings);
 //! controller.set_task(Task { waypoints: vec![goal], calibration: None, ..Task::thesis() });
-//! let (mut exchange, mut actuation) = (Exchange::new(0.0), Actuation::new(settings.drive, 0.0));
+//! let (mut exchange, mut actuation) = (Exchange::new(RobotTime::ZERO), Actuation::new(settings.drive, RobotTime::ZERO));
 //! let model = PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA };
 //! let mut robot = Plant::new(model, Pose::default(), 1)?;
 //! for slot in 0..300 {
-//!     let now = f64::from(slot) * settings.slot;
+//!     let now = RobotTime::new(f64::from(slot) * settings.slot);
 //!     exchange.observe(Observation { pose: robot.observe(), taken: now });
 //!     if let Some(request) = exchange.request(now, actuation.playing()) {
 //!         let horizon = controller.step(&request).horizon;
@@ -66,7 +67,7 @@
 extern crate alloc;
 
 mod robot;
-pub use robot::{actuation, exchange, geometry, horizon, kinematics, local};
+pub use robot::{actuation, exchange, geometry, horizon, kinematics, local, time};
 
 #[cfg(feature = "controller")]
 mod control;

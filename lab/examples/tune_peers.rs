@@ -9,13 +9,15 @@
 
 use std::time::Instant;
 use umwelt_core::controller::Controller;
-use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::controller::compensation::{
+    Compensation, DelayModel, PathFollower, PoseEstimator,
+};
 use umwelt_core::episode::{EpisodeError, Scenario};
 use umwelt_core::settings::{Attribution, Settings};
 use umwelt_lab::comparison::ComparisonSettings;
 use umwelt_lab::peers::{
-    EkfPacket, EkfTuning, GpMpc, GpMpcTuning, GpTuning, MpcTuning, NoCompensation, SlidingMode,
-    SlidingTuning, StaleTuning, StopWhenStale, heedless,
+    EkfPacket, EkfTuning, GpMpcTuning, GpTuning, MpcTuning, NoCompensation, SlidingTuning,
+    StaleTuning, without_identification,
 };
 
 /// Seeds of tuning begin here: comparisons draw theirs from all 64 bits, everything else counts from zero.
@@ -27,7 +29,7 @@ const CALIBRATION_TIME: f64 = 60.0;
 /// What a robot may take longer than the fastest one tried.
 const SLOWER: f64 = 1.05;
 
-/// What came of one choice on one link.
+/// The results of one choice on one link.
 struct Row {
     arrived: usize,
     time: f64,
@@ -43,12 +45,12 @@ struct Trials {
 }
 
 impl Trials {
-    /// Drives every link with the peer that `make` makes of what it is told.
-    fn run<C: Compensation>(
+    /// Drives every link with the peer that `make` makes for the settings of all.
+    fn run<E: PoseEstimator, D: DelayModel, F: PathFollower>(
         &mut self,
         label: String,
         slots: usize,
-        make: impl Fn(&Settings) -> (Settings, C),
+        make: impl Fn(&Settings) -> (Settings, Compensation<E, D, F>),
     ) -> Result<(), EpisodeError> {
         let begun = Instant::now();
         let ComparisonSettings { environments, controller, time_limit, .. } = &self.comparison;
@@ -121,27 +123,29 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut trials = Trials { comparison, seeds, tried: Vec::new() };
     match peer.as_str() {
         "no-compensation" | "-no-compensation" => {
-            trials.run(peer, 1, |told| (heedless(told), NoCompensation))?;
+            trials.run(peer, 1, |settings| {
+                (without_identification(settings), NoCompensation::compensation())
+            })?;
         }
         "stop-when-stale" => stop_when_stale(&mut trials)?,
         "ekf-packet" => ekf_packet(&mut trials)?,
         "sliding-mode" => sliding_mode(&mut trials)?,
         "gp-mpc" => gp_mpc(&mut trials)?,
-        "-stop-when-stale" => trials.run(peer, 1, |told| {
-            let peer = StopWhenStale::default();
-            (peer.settings(told), peer)
+        "-stop-when-stale" => trials.run(peer, 1, |settings| {
+            let tuning = StaleTuning::default();
+            (tuning.settings(settings), tuning.compensation())
         })?,
-        "-ekf-packet" => trials.run(peer, EkfPacket::SLOTS, |told| {
-            let peer = EkfPacket::tuned(told);
-            (peer.settings(told), peer)
+        "-ekf-packet" => trials.run(peer, EkfPacket::SLOTS, |settings| {
+            let tuning = EkfTuning::default();
+            (tuning.settings(settings), tuning.compensation(settings))
         })?,
-        "-sliding-mode" => trials.run(peer, 1, |told| {
-            let peer = SlidingMode::tuned(told);
-            (peer.settings(told), peer)
+        "-sliding-mode" => trials.run(peer, 1, |settings| {
+            let tuning = SlidingTuning::default();
+            (tuning.settings(settings), tuning.compensation(settings))
         })?,
-        "-gp-mpc" => trials.run(peer, 1, |told| {
-            let peer = GpMpc::tuned(told);
-            (peer.settings(told), peer)
+        "-gp-mpc" => trials.run(peer, 1, |settings| {
+            let tuning = GpMpcTuning::default();
+            (tuning.settings(settings), tuning.compensation(settings))
         })?,
         _ => return Err("no such peer".into()),
     }
@@ -152,9 +156,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn stop_when_stale(trials: &mut Trials) -> Result<(), EpisodeError> {
     for watchdog in [0.10, 0.22, 0.30] {
         for stale in [0.05, 0.10, 0.25] {
-            trials.run(format!("watchdog {watchdog} stale {stale}"), 1, |told| {
-                let peer = StopWhenStale::new(StaleTuning { watchdog, stale });
-                (peer.settings(told), peer)
+            trials.run(format!("watchdog {watchdog} stale {stale}"), 1, |settings| {
+                let tuning = StaleTuning { watchdog, stale };
+                (tuning.settings(settings), tuning.compensation())
             })?;
         }
     }
@@ -170,10 +174,9 @@ fn ekf_packet(trials: &mut Trials) -> Result<(), EpisodeError> {
             for drift in [0.03, 0.1, 0.3] {
                 for floor in [(0.0, 0.0), (0.0002, 0.001), (0.001, 0.005)] {
                     let label = format!("{name} share {share} drift {drift} floor {floor:?}");
-                    trials.run(label, EkfPacket::SLOTS, |told| {
+                    trials.run(label, EkfPacket::SLOTS, |settings| {
                         let tuning = EkfTuning { share, drift, floor, attribution };
-                        let peer = EkfPacket::new(tuning, told);
-                        (peer.settings(told), peer)
+                        (tuning.settings(settings), tuning.compensation(settings))
                     })?;
                 }
             }
@@ -184,9 +187,8 @@ fn ekf_packet(trials: &mut Trials) -> Result<(), EpisodeError> {
 
 fn sliding_mode(trials: &mut Trials) -> Result<(), EpisodeError> {
     let one = |trials: &mut Trials, tuning: SlidingTuning| {
-        trials.run(format!("{tuning:?}"), 1, |told| {
-            let peer = SlidingMode::new(tuning, told);
-            (peer.settings(told), peer)
+        trials.run(format!("{tuning:?}"), 1, |settings| {
+            (tuning.settings(settings), tuning.compensation(settings))
         })
     };
     let base = SlidingTuning::default();
@@ -209,10 +211,7 @@ fn sliding_mode(trials: &mut Trials) -> Result<(), EpisodeError> {
 
 fn gp_mpc(trials: &mut Trials) -> Result<(), EpisodeError> {
     let one = |trials: &mut Trials, label: String, tuning: GpMpcTuning| {
-        trials.run(label, 1, |told| {
-            let peer = GpMpc::new(tuning, told);
-            (peer.settings(told), peer)
-        })
+        trials.run(label, 1, |settings| (tuning.settings(settings), tuning.compensation(settings)))
     };
     let base = GpMpcTuning::default();
     for (name, attribution) in ATTRIBUTIONS {

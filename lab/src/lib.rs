@@ -2,7 +2,7 @@
 //!
 //! * [`evolution`] searches for priors in simulated environments.
 //! * [`comparison`] drives methods over environments and trials on the same seeds.
-//! * [`peers`] are the methods of others, each a compensation of the same controller.
+//! * [`peers`] are the methods of others, in the same controller.
 //! * [`wire`] is between these and the contract, [`umwelt_api`].
 //! * [`work`] is what all kinds of jobs have in common; an [`evaluator`] drives its episodes, the [`pool`] on threads.
 //! * [`figures`], [`report`] and [`csv`] show what came of it; [`offline`] is both from beginning to end without a server.

@@ -5,6 +5,7 @@
 use crate::id::PriorId;
 use crate::prior::Source;
 use crate::robot::{DEFAULT_PRIOR, Method};
+use crate::watch;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -122,6 +123,48 @@ pub struct Channel {
     pub effective_samples: Option<f64>,
     /// Natural logarithm of the evidence of the samples under the prior; 0 without samples.
     pub ln_evidence: Option<f64>,
+    /// How far the estimate has got.
+    #[serde(default)]
+    pub status: Status,
+    /// Part of the samples that it takes until the prior no longer dominates, 1 once it does not; null where `status` is
+    /// `unestimated` or `rejected`.
+    #[serde(default)]
+    pub estimated_fraction: Option<f64>,
+    /// What the watch found, for which samples are set aside; null where `status` is not `rejected`.
+    #[serde(default)]
+    pub rejected_for: Option<watch::State>,
+}
+
+/// How far an estimate has got.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = EstimateStatus)]
+pub enum Status {
+    /// No sample can change it: it is a constant of a fixed model.
+    Unestimated,
+    /// The prior still dominates.
+    Estimating,
+    /// The samples say at least as much as the prior.
+    Estimated,
+    /// Samples are set aside: the watch holds the robot at rest because its motion is not what was commanded.
+    Rejected,
+    /// Something of another version.
+    #[default]
+    #[serde(other)]
+    Other,
+}
+
+impl Status {
+    /// The name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unestimated => "unestimated",
+            Self::Estimating => "estimating",
+            Self::Estimated => "estimated",
+            Self::Rejected => "rejected",
+            Self::Other => "other",
+        }
+    }
 }
 
 /// From `low` to `high`.
@@ -154,6 +197,18 @@ pub struct Link {
     pub chance_of_luck: Option<f64>,
     /// What the numbers do not show at first sight; null where there is nothing to say.
     pub note: Option<String>,
+    /// How far the estimate of the loop delay has got.
+    #[serde(default)]
+    pub delay_status: Status,
+    /// Part of the deliveries that it takes until the prior no longer dominates; 1 once it does not.
+    #[serde(default)]
+    pub delay_estimated_fraction: Option<f64>,
+    /// How far the estimate of the probability of late packets has got.
+    #[serde(default)]
+    pub late_status: Status,
+    /// Part of the deliveries that it takes until a link with 5 % late packets would have shown one; 1 once it would.
+    #[serde(default)]
+    pub late_estimated_fraction: Option<f64>,
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ use umwelt_core::horizon::{Horizon, MAX_DURATION, MAX_WATCHDOG, WATCHDOG};
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_core::link::Link;
 use umwelt_core::local::LocalLimits;
+use umwelt_core::time::RobotTime;
 
 /// Time in s without a reply after which the robot counts as disconnected; its motors stop long before.
 const DISCONNECTED: f64 = 1.0;
@@ -89,8 +90,8 @@ impl Robot {
             id,
             drive,
             is_hardware,
-            exchange: Exchange::new(now),
-            actuation: Actuation::new(drive, now),
+            exchange: Exchange::new(RobotTime::new(now)),
+            actuation: Actuation::new(drive, RobotTime::new(now)),
             restraint: Restraint::default(),
             link,
             upward: VecDeque::new(),
@@ -109,11 +110,14 @@ impl Robot {
 
     /// The next robot time at which something happens by itself.
     pub(crate) fn next(&self, now: f64) -> f64 {
-        let request =
-            if self.is_ending() { f64::INFINITY } else { self.exchange.next_request(now) };
+        let request = if self.is_ending() {
+            f64::INFINITY
+        } else {
+            self.exchange.next_request(RobotTime::new(now)).seconds()
+        };
         let upward = self.upward.front().map_or(f64::INFINITY, |(at, _)| *at);
         let downward = self.downward.front().map_or(f64::INFINITY, |(at, _)| *at);
-        request.min(upward).min(downward).min(self.actuation.next_change())
+        request.min(upward).min(downward).min(self.actuation.next_change().seconds())
     }
 
     /// A pose becomes known.
@@ -154,10 +158,10 @@ impl Robot {
         while let Some(answer) = due(&mut self.downward, now) {
             self.deliver(now, answer);
         }
-        let speeds = self.actuation.advance(now);
+        let speeds = self.actuation.advance(RobotTime::new(now));
         let playing = self.playing();
         if !self.is_ending()
-            && let Some(request) = self.exchange.request(now, playing)
+            && let Some(request) = self.exchange.request(RobotTime::new(now), playing)
         {
             let arrival = self.link.as_mut().map_or(Some(now), |link| link.uplink(now));
             if let Some(arrival) = arrival {
@@ -227,7 +231,7 @@ impl Robot {
     /// What is played, if it is of this epoch: the server knows nothing of another one's horizons.
     fn playing(&self) -> Option<Playing> {
         let playing = self.actuation.playing()?;
-        (self.epochs_before == 0 || playing.since > self.epoch_began).then_some(playing)
+        (self.epochs_before == 0 || playing.since.seconds() > self.epoch_began).then_some(playing)
     }
 
     fn deliver(&mut self, now: f64, answer: Answer) {
@@ -254,11 +258,11 @@ impl Robot {
         }
         self.make_safe(now, &mut horizon);
         if self.actuation.accept(&horizon) == Acceptance::Unbelievable {
-            let ahead = horizon.start - now;
+            let ahead = horizon.start.seconds() - now;
             let why = format!("its horizon begins in {ahead:.1} s, no plan reaches that far");
             return self.complain(now, &format!("unbelievable: {why}"));
         }
-        if let Some(loop_delay) = self.exchange.reply(now, sequence) {
+        if let Some(loop_delay) = self.exchange.reply(RobotTime::new(now), sequence) {
             self.state.loop_delay = Some(loop_delay);
         }
         if self.state.stopped != reply.stopped {
@@ -347,7 +351,7 @@ impl Robot {
         self.epoch = next_epoch(self.epoch);
         self.epochs_before += 1;
         self.epoch_began = now;
-        self.exchange = Exchange::new(now);
+        self.exchange = Exchange::new(RobotTime::new(now));
         self.exchange.restrain(self.restraint.limits());
         self.actuation.restart_sequences();
         self.upward.clear();

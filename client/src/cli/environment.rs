@@ -12,8 +12,9 @@ use std::fmt::Write;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_api::RobotId;
-use umwelt_api::environment::{Channel, Environment, Interval, Link};
+use umwelt_api::environment::{Channel, Environment, Interval, Link, Status};
 use umwelt_api::robot::Method;
+use umwelt_api::watch;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -60,6 +61,8 @@ radian turned (turn) and per metre driven (drift). -0.05 forward means that the 
   NEXT WITHIN   where the next ratio over 100 ms will be with the given probability
   WORTH         independent samples that the samples are worth
   LN EVIDENCE   natural logarithm of the probability of the samples under the prior
+  STATUS        estimating, with the part of the samples that it takes until the prior no longer dominates; estimated;
+                unestimated where the model is fixed; rejected where the watch has samples set aside, and for what
 
 The loop delay is the time from a pose being taken to the reply to it reaching the robot.";
 
@@ -141,6 +144,7 @@ fn show(robot: &RobotId, environment: &Environment) -> String {
         Column::Number("SAMPLES"),
         Column::Number("WORTH"),
         Column::Number("LN EVIDENCE"),
+        Column::Text("STATUS"),
     ]);
     let channels = &environment.channels;
     for (name, unit, channel) in [
@@ -163,7 +167,7 @@ fn show(robot: &RobotId, environment: &Environment) -> String {
     text
 }
 
-fn row(name: &str, unit: &str, channel: &Channel) -> [String; 9] {
+fn row(name: &str, unit: &str, channel: &Channel) -> [String; 10] {
     let unused = if channel.used { "" } else { " (not used)" };
     let ratio = |value: f64| format!("{value:.4}");
     let within = |interval: Interval| format!("{:.4} .. {:.4}", interval.low, interval.high);
@@ -177,7 +181,18 @@ fn row(name: &str, unit: &str, channel: &Channel) -> [String; 9] {
         channel.samples.to_string(),
         or_unknown(channel.effective_samples, |samples| format!("{samples:.1}")),
         or_unknown(channel.ln_evidence, |ln| format!("{ln:.1}")),
+        status(channel.status, channel.estimated_fraction, channel.rejected_for),
     ]
+}
+
+/// How far an estimate has got, in a word or two.
+fn status(status: Status, fraction: Option<f64>, rejected: Option<watch::State>) -> String {
+    match (status, fraction, rejected) {
+        (Status::Estimating, Some(fraction), _) => format!("estimating, {:.0} %", 1e2 * fraction),
+        (Status::Rejected, _, Some(reason)) => format!("rejected: {}", reason.name()),
+        (Status::Other, ..) => UNKNOWN.to_owned(),
+        _ => status.name().to_owned(),
+    }
 }
 
 fn link(link: &Link, level: &str) -> String {
@@ -185,9 +200,10 @@ fn link(link: &Link, level: &str) -> String {
     let mut text = match (link.median_s, link.p99_s) {
         (None, _) => "link     no reply delivered yet\n".to_owned(),
         (Some(median), p99) => format!(
-            "link     loop delay: median {}, 99 % of those not late within {}\n",
+            "link     loop delay: median {}, 99 % of those not late within {} ({})\n",
             milliseconds(median),
-            or_unknown(p99, milliseconds)
+            or_unknown(p99, milliseconds),
+            status(link.delay_status, link.delay_estimated_fraction, None)
         ),
     };
     let probability = or_unknown(link.late_probability, percent);
@@ -197,7 +213,8 @@ fn link(link: &Link, level: &str) -> String {
     );
     let _ = writeln!(
         text,
-        "late     {late} of {samples} deliveries: probability {probability}, with {level} within {within}"
+        "late     {late} of {samples} deliveries: probability {probability}, with {level} within {within} ({})",
+        status(link.late_status, link.late_estimated_fraction, None)
     );
     if let Some(note) = &link.note {
         let _ = writeln!(text, "note     {note}");
@@ -230,6 +247,9 @@ mod tests {
             samples: 412,
             effective_samples: Some(120.34),
             ln_evidence: Some(-33.1),
+            status: Status::Estimated,
+            estimated_fraction: Some(1.0),
+            rejected_for: None,
         };
         let unknown = Channel {
             used: false,
@@ -240,6 +260,9 @@ mod tests {
             samples: 0,
             effective_samples: Some(0.0),
             ln_evidence: Some(0.0),
+            status: Status::Estimating,
+            estimated_fraction: Some(0.0),
+            rejected_for: None,
         };
         Environment {
             method: Method::Bayesian,
@@ -259,6 +282,10 @@ mod tests {
                 late_interval: Some(Interval { low: 0.004, high: 0.2 }),
                 chance_of_luck: Some(0.54),
                 note: Some("no late packet in 12 deliveries says little yet".to_owned()),
+                delay_status: Status::Estimated,
+                delay_estimated_fraction: Some(1.0),
+                late_status: Status::Estimating,
+                late_estimated_fraction: Some(0.2),
             },
             windows_rejected: 3,
             poses_set_aside: 1,
@@ -271,14 +298,14 @@ mod tests {
         assert_eq!(show(&"a".parse().unwrap(), &environment()), "\
 a: method bayesian, intervals hold with probability 90 %
 
-CHANNEL           UNIT        MEAN      SD         MEAN WITHIN         NEXT WITHIN  SAMPLES  WORTH  LN EVIDENCE
-forward           m/m      -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1
-lateral           m/m      -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1
-turn              rad/rad  -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1
-drift (not used)  rad/m     0.0000       -                   -                   -        0    0.0          0.0
+CHANNEL           UNIT        MEAN      SD         MEAN WITHIN         NEXT WITHIN  SAMPLES  WORTH  LN EVIDENCE  STATUS
+forward           m/m      -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1  estimated
+lateral           m/m      -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1  estimated
+turn              rad/rad  -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1  estimated
+drift (not used)  rad/m     0.0000       -                   -                   -        0    0.0          0.0  estimating, 0 %
 
-link     loop delay: median 212 ms, 99 % of those not late within 480 ms
-late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 %
+link     loop delay: median 212 ms, 99 % of those not late within 480 ms (estimated)
+late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 % (estimating, 20 %)
 note     no late packet in 12 deliveries says little yet
 prior    wet-hall: the description of the robot names wet-hall, which somebody put
 motion   3 windows without constant motion gave no sample, 1 poses set aside
@@ -294,6 +321,15 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
         let text = show(&"a".parse().unwrap(), &environment);
         assert!(text.contains("prior    the robot's own: the description"), "{text}");
         assert!(text.contains("no reply delivered yet") && !text.contains("note"), "{text}");
+    }
+
+    #[test]
+    fn a_status_is_shown_with_its_fraction_or_its_reason() {
+        assert_eq!(status(Status::Estimating, Some(0.426), None), "estimating, 43 %");
+        let stuck = Some(watch::State::Stuck);
+        assert_eq!(status(Status::Rejected, None, stuck), "rejected: stuck");
+        assert_eq!(status(Status::Unestimated, None, None), "unestimated");
+        assert_eq!(status(Status::Other, None, None), UNKNOWN);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a robot's controller is told once: drive, noise, method, prior, horizon, limits of variance.
+//! The settings of a robot's controller: drive, noise, method, prior, horizon, limits of variance.
 
 use crate::conjugate::NormalInverseChiSquared;
 pub use crate::exchange::PoseNoise;
@@ -110,7 +110,7 @@ impl Default for SteeringSettings {
     }
 }
 
-/// Everything a robot's controller is told once.
+/// The settings of a robot's controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The robot's drive.

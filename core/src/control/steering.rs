@@ -71,7 +71,7 @@ mod tests {
     }
 
     proptest! {
-        /// The bug to fear (as printed in the thesis): in reverse the robot steers away from its path.
+        /// Guards against the law as printed in the thesis: in reverse the robot steers away from its path.
         #[test]
         fn it_reaches_points_ahead_and_behind(x in 0.2..1.0f64, y in -0.3..0.3f64, h in -3.0..3.0f64, reverse in any::<bool>()) {
             let start = Pose::new(0.0, 0.0, h);

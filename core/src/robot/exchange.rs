@@ -5,9 +5,9 @@
 
 use crate::actuation::Playing;
 use crate::geometry::Pose;
-use crate::geometry::elementary::most;
 use crate::horizon::SLOT;
 use crate::local::LocalLimits;
+use crate::time::RobotTime;
 use arrayvec::ArrayVec;
 
 /// Most observations of one request; older ones are dropped first.
@@ -31,13 +31,13 @@ const SAME_TIME: f64 = 1e-9;
 /// Longest time in s between fresh connections while none answers.
 pub const MAX_BACKOFF: f64 = 1.0;
 
-/// A pose and the robot time at which it was taken.
+/// A pose and when it was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The observed pose.
     pub pose: Pose,
-    /// Robot time in s at which it was taken, not when it became known.
-    pub taken: f64,
+    /// When it was taken, not when it became known.
+    pub taken: RobotTime,
 }
 
 /// Noise of an observed pose, normal and independent per axis and observation.
@@ -72,8 +72,8 @@ pub struct Request {
     pub sequence: u64,
     /// Number of the connection to send it over; a number not seen before asks for a fresh one.
     pub connection: u64,
-    /// Robot time in s of sending.
-    pub sent: f64,
+    /// When it was sent.
+    pub sent: RobotTime,
     /// Poses since the last request, oldest first.
     pub observations: ArrayVec<Observation, MAX_OBSERVATIONS>,
     /// Replies that arrived since the last request.
@@ -89,7 +89,7 @@ impl Request {
     pub const EMPTY: Self = Self {
         sequence: 0,
         connection: 0,
-        sent: 0.0,
+        sent: RobotTime::ZERO,
         observations: ArrayVec::new_const(),
         deliveries: ArrayVec::new_const(),
         playing: None,
@@ -101,9 +101,9 @@ impl Request {
 struct InFlight {
     sequence: u64,
     connection: u64,
-    sent: f64,
+    sent: RobotTime,
     /// When the newest pose of the request was taken; none where it carried no new one.
-    taken: Option<f64>,
+    taken: Option<RobotTime>,
 }
 
 /// The robot's side of the exchange.
@@ -111,11 +111,11 @@ struct InFlight {
 pub struct Exchange {
     next_sequence: u64,
     connection: u64,
-    connected: f64,
+    connected: RobotTime,
     backoff: f64,
     /// When the next request is due, were there poses at every moment: one slot after the last one was.
-    due: f64,
-    newest_taken: f64,
+    due: RobotTime,
+    newest_taken: RobotTime,
     observations: ArrayVec<Observation, MAX_OBSERVATIONS>,
     deliveries: ArrayVec<Delivery, MAX_DELIVERIES>,
     limits: LocalLimits,
@@ -125,15 +125,15 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// An exchange that begins at robot time `now`.
-    pub fn new(now: f64) -> Self {
+    /// An exchange that begins `now`.
+    pub fn new(now: RobotTime) -> Self {
         Self {
             next_sequence: 1,
             connection: 0,
             connected: now,
             backoff: STALL,
-            due: f64::NEG_INFINITY,
-            newest_taken: f64::NEG_INFINITY,
+            due: RobotTime::BEFORE_ALL,
+            newest_taken: RobotTime::BEFORE_ALL,
             observations: ArrayVec::new(),
             deliveries: ArrayVec::new(),
             limits: LocalLimits::NONE,
@@ -161,18 +161,18 @@ impl Exchange {
         self.was_held |= limits.hold;
     }
 
-    /// Robot time in s at which the next request is due, given what is in flight and observed:
+    /// When the next request is due, given what is in flight and observed:
     /// with a new pose as soon as a slot has nearly passed since the last request, without one a little later.
-    pub fn next_request(&self, now: f64) -> f64 {
-        let due = most(now, self.soonest());
+    pub fn next_request(&self, now: RobotTime) -> RobotTime {
+        let due = now.later(self.soonest());
         if self.has_room() {
             return due;
         }
-        due.max(self.oldest(self.connection) + STALL).max(self.connected + self.backoff)
+        due.later(self.oldest(self.connection) + STALL).later(self.connected + self.backoff)
     }
 
     /// When the next request is due, were nothing in flight.
-    fn soonest(&self) -> f64 {
+    fn soonest(&self) -> RobotTime {
         // A camera in step with the slots jitters: a pose that comes a little early need not wait a whole slot. What
         // came early is waited for by the next one, so that a faster camera does not speed up the slots.
         self.due + if self.observations.is_empty() { 0.5 * SLOT } else { -0.4 * SLOT }
@@ -185,13 +185,13 @@ impl Exchange {
             || self.in_flight.iter().filter(on_it).count() < MAX_IN_FLIGHT
     }
 
-    fn oldest(&self, connection: u64) -> f64 {
+    fn oldest(&self, connection: u64) -> RobotTime {
         let on_it = self.in_flight.iter().filter(|request| request.connection == connection);
-        on_it.map(|request| request.sent).fold(f64::INFINITY, f64::min)
+        on_it.map(|request| request.sent).fold(RobotTime::NEVER, RobotTime::earlier)
     }
 
     /// The request to send now, if one is due.
-    pub fn request(&mut self, now: f64, playing: Option<Playing>) -> Option<Request> {
+    pub fn request(&mut self, now: RobotTime, playing: Option<Playing>) -> Option<Request> {
         let mut request = Request::EMPTY;
         self.write_request(now, playing, &mut request).then_some(request)
     }
@@ -200,7 +200,7 @@ impl Exchange {
     #[inline]
     pub fn write_request(
         &mut self,
-        now: f64,
+        now: RobotTime,
         playing: Option<Playing>,
         request: &mut Request,
     ) -> bool {
@@ -212,7 +212,7 @@ impl Exchange {
         is_due
     }
 
-    fn write(&mut self, now: f64, playing: Option<Playing>, request: &mut Request) {
+    fn write(&mut self, now: RobotTime, playing: Option<Playing>, request: &mut Request) {
         let stalled =
             now - self.oldest(self.connection) >= STALL && now - self.connected >= self.backoff;
         if stalled || !self.has_room() {
@@ -224,7 +224,7 @@ impl Exchange {
         }
         let sequence = self.next_sequence;
         self.next_sequence += 1;
-        self.due = self.due.max(now) + SLOT;
+        self.due = self.due.later(now) + SLOT;
         let taken = self.observations.last().map(|observation| observation.taken);
         self.in_flight.push(InFlight { sequence, connection: self.connection, sent: now, taken });
         (request.sequence, request.connection) = (sequence, self.connection);
@@ -239,7 +239,7 @@ impl Exchange {
 
     /// The reply to request `sequence` arrives. Returns its loop delay in s where the request carried a new
     /// pose and is still waited for.
-    pub fn reply(&mut self, now: f64, sequence: u64) -> Option<f64> {
+    pub fn reply(&mut self, now: RobotTime, sequence: u64) -> Option<f64> {
         let at = self.in_flight.iter().position(|request| request.sequence == sequence)?;
         let request = self.in_flight.remove(at);
         if request.connection == self.connection {
@@ -279,21 +279,21 @@ mod tests {
     use super::*;
 
     fn observed(taken: f64) -> Observation {
-        Observation { pose: Pose::default(), taken }
+        Observation { pose: Pose::default(), taken: RobotTime::new(taken) }
     }
 
     /// Offers a pose every slot over `seconds` s and answers as `reply` says; the send times and connections.
     fn run(seconds: f64, reply: impl Fn(f64) -> Option<f64>) -> Vec<(f64, u64)> {
-        let mut exchange = Exchange::new(0.0);
+        let mut exchange = Exchange::new(RobotTime::ZERO);
         let (mut sends, mut replies) = (Vec::new(), Vec::<(f64, u64)>::new());
         for slot in 0..(seconds / SLOT) as usize {
             let now = slot as f64 * SLOT;
             for &(_, sequence) in replies.iter().filter(|(at, _)| *at <= now) {
-                exchange.reply(now, sequence);
+                exchange.reply(RobotTime::new(now), sequence);
             }
             replies.retain(|(at, _)| *at > now);
             exchange.observe(observed(now - 0.13));
-            if let Some(request) = exchange.request(now, None) {
+            if let Some(request) = exchange.request(RobotTime::new(now), None) {
                 sends.push((now, request.connection));
                 if let Some(delay) = reply(now) {
                     replies.push((now + delay, request.sequence));
@@ -314,14 +314,14 @@ mod tests {
     #[test]
     fn a_fast_camera_does_not_speed_up_the_requests() {
         for rate in [50.0, 60.0, 90.0, 120.0, 240.0, 1000.0] {
-            let mut exchange = Exchange::new(0.0);
+            let mut exchange = Exchange::new(RobotTime::ZERO);
             let mut sends = Vec::new();
             for frame in 0..(3.0 * rate) as u32 {
                 let now = f64::from(frame) / rate;
                 exchange.observe(observed(now));
-                if let Some(request) = exchange.request(now, None) {
+                if let Some(request) = exchange.request(RobotTime::new(now), None) {
                     sends.push(now);
-                    exchange.reply(now, request.sequence);
+                    exchange.reply(RobotTime::new(now), request.sequence);
                 }
             }
             assert!(
@@ -344,12 +344,12 @@ mod tests {
 
     #[test]
     fn no_pose_is_sent_twice_and_none_is_lost_in_a_short_stall() {
-        let mut exchange = Exchange::new(0.0);
+        let mut exchange = Exchange::new(RobotTime::ZERO);
         let mut taken = Vec::new();
         for slot in 0..40 {
             let now = f64::from(slot) * SLOT;
             exchange.observe(observed(now));
-            if let Some(request) = exchange.request(now, None) {
+            if let Some(request) = exchange.request(RobotTime::new(now), None) {
                 taken.extend(request.observations.iter().map(|o| o.taken));
             }
         }
@@ -359,7 +359,7 @@ mod tests {
 
     #[test]
     fn stamps_strictly_increase() {
-        let mut exchange = Exchange::new(0.0);
+        let mut exchange = Exchange::new(RobotTime::ZERO);
         assert!(exchange.observe(observed(1.0)));
         assert!(!exchange.observe(observed(1.0)));
         assert!(!exchange.observe(observed(0.5)));
@@ -367,14 +367,14 @@ mod tests {
 
     #[test]
     fn the_loop_delay_counts_from_the_pose_and_a_repeat_counts_once() {
-        let mut exchange = Exchange::new(0.0);
+        let mut exchange = Exchange::new(RobotTime::ZERO);
         exchange.observe(observed(1.0));
-        let request = exchange.request(1.13, None).expect("due");
-        let delay = exchange.reply(1.2, request.sequence).expect("waited for");
+        let request = exchange.request(RobotTime::new(1.13), None).expect("due");
+        let delay = exchange.reply(RobotTime::new(1.2), request.sequence).expect("waited for");
         assert!((delay - 0.2).abs() < 1e-12);
-        assert_eq!(exchange.reply(1.3, request.sequence), None);
+        assert_eq!(exchange.reply(RobotTime::new(1.3), request.sequence), None);
         exchange.observe(observed(1.1));
-        let next = exchange.request(1.3, None).expect("due");
+        let next = exchange.request(RobotTime::new(1.3), None).expect("due");
         assert_eq!(next.deliveries.as_slice(), [Delivery { sequence: 1, loop_delay: delay }]);
     }
 }

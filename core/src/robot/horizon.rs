@@ -3,6 +3,7 @@
 use crate::geometry::WheelSpeeds;
 use crate::geometry::elementary::{least, most};
 use crate::kinematics::{self, Drive};
+use crate::time::RobotTime;
 use arrayvec::ArrayVec;
 
 /// Length of one control cycle in s (thesis table 1).
@@ -37,8 +38,8 @@ pub struct Horizon {
     pub sequence: u64,
     /// Sequence of the request that it answers.
     pub answers: u64,
-    /// Robot time in s at which the first entry begins.
-    pub start: f64,
+    /// When the first entry begins.
+    pub start: RobotTime,
     /// Length of each entry in s.
     pub slot: f64,
     /// Time in s for which the last entry is held past the end; 0 holds for ever.
@@ -66,20 +67,20 @@ impl Horizon {
     pub const EMPTY: Self = Self {
         sequence: 0,
         answers: 0,
-        start: 0.0,
+        start: RobotTime::ZERO,
         slot: SLOT,
         watchdog: WATCHDOG,
         speeds: ArrayVec::new_const(),
     };
 
-    /// Robot time in s at which the last entry ends.
-    pub fn end(&self) -> f64 {
+    /// When the last entry ends.
+    pub fn end(&self) -> RobotTime {
         self.start + self.slot * self.speeds.len() as f64
     }
 
-    /// Robot time in s after which the robot ramps to rest: end + watchdog, never where the watchdog is 0.
-    pub fn valid_until(&self) -> f64 {
-        if self.watchdog > 0.0 { self.end() + self.watchdog } else { f64::INFINITY }
+    /// After this the robot ramps to rest: end + watchdog, never where the watchdog is 0.
+    pub fn valid_until(&self) -> RobotTime {
+        if self.watchdog > 0.0 { self.end() + self.watchdog } else { RobotTime::NEVER }
     }
 
     /// Cuts what is longer than a robot may go by one horizon: entries past [`MAX_DURATION`], a watchdog above
@@ -110,32 +111,32 @@ impl Horizon {
             && self.speeds.iter().all(is_finite)
     }
 
-    /// Wheel speeds at robot time `time`: the entry for it, the last one past the end, the ramp past `valid_until`.
+    /// Wheel speeds at `time`: the entry for it, the last one past the end, the ramp past `valid_until`.
     /// Before the start: rest, for a horizon that has not begun demands nothing.
     ///
     /// ```
-    /// use umwelt_core::{geometry::WheelSpeeds, horizon::Horizon, kinematics::Drive};
+    /// use umwelt_core::{geometry::WheelSpeeds, horizon::Horizon, kinematics::Drive, time::RobotTime};
     /// let (one, two) = (WheelSpeeds { left: 1.0, right: 1.0 }, WheelSpeeds { left: 2.0, right: 2.0 });
-    /// let horizon = Horizon { sequence: 1, answers: 1, start: 5.0, slot: 0.03, watchdog: 0.3,
+    /// let horizon = Horizon { sequence: 1, answers: 1, start: RobotTime::new(5.0), slot: 0.03, watchdog: 0.3,
     ///                         speeds: [one, two].into_iter().collect() };
     /// let drive = Drive::default();
-    /// assert_eq!(horizon.at(5.01, &drive), one);
-    /// assert_eq!(horizon.at(5.2, &drive), two); // held
-    /// assert_eq!(horizon.at(6.5, &drive), WheelSpeeds::ZERO); // stopped by itself
+    /// assert_eq!(horizon.at(horizon.start + 0.01, &drive), one);
+    /// assert_eq!(horizon.at(horizon.start + 0.2, &drive), two); // held
+    /// assert_eq!(horizon.at(horizon.start + 1.5, &drive), WheelSpeeds::ZERO); // stopped by itself
     /// ```
-    pub fn at(&self, time: f64, drive: &Drive) -> WheelSpeeds {
+    pub fn at(&self, time: RobotTime, drive: &Drive) -> WheelSpeeds {
         self.piece(time, drive).0
     }
 
-    /// The next robot time in s after `time` at which [`Horizon::at`] changes; infinite at rest or held for ever.
-    pub fn next_change(&self, time: f64, drive: &Drive) -> f64 {
+    /// The next instant after `time` at which [`Horizon::at`] changes; never at rest or held for ever.
+    pub fn next_change(&self, time: RobotTime, drive: &Drive) -> RobotTime {
         self.piece(time, drive).1
     }
 
     /// [`Horizon::at`] and [`Horizon::next_change`] at once. The change always lies after `time`, however few digits
     /// a large clock leaves for it: whoever goes from change to change comes to the end.
     #[inline]
-    pub fn piece(&self, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
+    pub fn piece(&self, time: RobotTime, drive: &Drive) -> (WheelSpeeds, RobotTime) {
         let Some(index) = self.index(time) else { return (WheelSpeeds::ZERO, self.start) };
         let piece = self.piece_at(index, drive);
         if piece.1 > time { piece } else { self.piece_after(index, time, drive) }
@@ -143,7 +144,7 @@ impl Horizon {
 
     /// Which piece holds at `time`: the entries, then the steps of the ramp, which go on into rest. None before the start.
     #[inline]
-    fn index(&self, time: f64) -> Option<usize> {
+    fn index(&self, time: RobotTime) -> Option<usize> {
         let past = time - self.start + BOUNDARY * self.slot;
         if past < 0.0 {
             return None;
@@ -155,7 +156,7 @@ impl Horizon {
     }
 
     /// Which step of the ramp holds at `time`, counted from 1; 0 before the ramp.
-    fn ramp_step(&self, time: f64) -> usize {
+    fn ramp_step(&self, time: RobotTime) -> usize {
         let past = time - self.valid_until() + BOUNDARY * self.slot;
         if past < 0.0 {
             return 0;
@@ -166,7 +167,7 @@ impl Horizon {
 
     /// The speeds of a piece and when it ends.
     #[inline]
-    fn piece_at(&self, index: usize, drive: &Drive) -> (WheelSpeeds, f64) {
+    fn piece_at(&self, index: usize, drive: &Drive) -> (WheelSpeeds, RobotTime) {
         if index + 1 < self.speeds.len() {
             return (self.speeds[index], self.start + (index + 1) as f64 * self.slot);
         }
@@ -174,7 +175,7 @@ impl Horizon {
     }
 
     /// The last entry, or a step of the ramp.
-    fn last_piece(&self, step: usize, drive: &Drive) -> (WheelSpeeds, f64) {
+    fn last_piece(&self, step: usize, drive: &Drive) -> (WheelSpeeds, RobotTime) {
         let (valid_until, last) = (self.valid_until(), self.speeds.last().copied());
         let last = last.unwrap_or(WheelSpeeds::ZERO);
         if step == 0 {
@@ -183,18 +184,23 @@ impl Horizon {
         let ramp = drive.stopping_time(kinematics::forward(drive, last));
         let gone = step as f64 * RAMP_STEP;
         let speeds = if gone >= ramp { WheelSpeeds::ZERO } else { last.scaled(1.0 - gone / ramp) };
-        (speeds, if gone >= ramp + RAMP_STEP { f64::INFINITY } else { valid_until + gone })
+        (speeds, if gone >= ramp + RAMP_STEP { RobotTime::NEVER } else { valid_until + gone })
     }
 
     /// The first piece behind the one at `index` that ends after `time`: where a clock is so large that a boundary
     /// rounds to before itself, the next piece has begun.
     #[cold]
-    fn piece_after(&self, index: usize, time: f64, drive: &Drive) -> (WheelSpeeds, f64) {
+    fn piece_after(
+        &self,
+        index: usize,
+        time: RobotTime,
+        drive: &Drive,
+    ) -> (WheelSpeeds, RobotTime) {
         let mut next = index + 1;
         loop {
             // The ramp ends in a piece that lasts for ever, so this comes to an end.
             let piece = self.piece_at(next, drive);
-            if piece.1 > time || piece.1 == f64::INFINITY {
+            if piece.1 > time || piece.1.is_never() {
                 return piece;
             }
             next += 1;
@@ -213,7 +219,14 @@ mod tests {
         let speeds = (0..slots)
             .map(|i| kinematics::inverse(&drive, Twist::new(0.05 + 0.002 * i as f64, 0.1)))
             .collect();
-        Horizon { sequence: 3, answers: 7, start: 12.34, slot: SLOT, watchdog, speeds }
+        Horizon {
+            sequence: 3,
+            answers: 7,
+            start: RobotTime::new(12.34),
+            slot: SLOT,
+            watchdog,
+            speeds,
+        }
     }
 
     #[test]
@@ -247,8 +260,8 @@ mod tests {
     #[test]
     fn a_watchdog_of_zero_holds_for_ever() {
         let (h, drive) = (horizon(1, 0.0), Drive::default());
-        assert_eq!(h.at(1e6, &drive), h.speeds[0]);
-        assert_eq!(h.next_change(h.end() + 1.0, &drive), f64::INFINITY);
+        assert_eq!(h.at(RobotTime::new(1e6), &drive), h.speeds[0]);
+        assert_eq!(h.next_change(h.end() + 1.0, &drive), RobotTime::NEVER);
     }
 
     proptest! {
@@ -261,7 +274,7 @@ mod tests {
             loop {
                 let next = h.next_change(time, &drive);
                 let now = h.at(time, &drive);
-                if next.is_infinite() {
+                if next.is_never() {
                     prop_assert_eq!(now, WheelSpeeds::ZERO);
                     break;
                 }
@@ -274,22 +287,23 @@ mod tests {
                 prop_assert!(steps < 200);
             }
             let stop = drive.stopping_time(kinematics::forward(&drive, h.speeds[slots - 1]));
-            prop_assert!(time <= h.valid_until().max(h.start + offset) + stop + 2.0 * RAMP_STEP);
+            prop_assert!(time <= h.valid_until().later(h.start + offset) + stop + 2.0 * RAMP_STEP);
         }
 
-        /// The bug to fear: a boundary that rounds to a moment that is not later, at which whoever walks from change
+        /// Guards against: a boundary that rounds to a moment that is not later, at which a caller that walks from change
         /// to change stays for ever. Clocks over the whole range of the contract.
         #[test]
         fn every_change_lies_ahead_whatever_the_clock_reads(
             start in -1e9..1e9f64, slots in 1usize..=MAX_SLOTS, ahead in 0.0..5.0f64, watchdog in 0.01..5.0f64,
         ) {
             let drive = Drive::default();
+            let start = RobotTime::new(start);
             let h = Horizon { start, ..horizon(slots, watchdog) };
             let mut time = start + ahead;
             for _ in 0..slots + 100 {
                 let next = h.next_change(time, &drive);
                 prop_assert!(next > time, "{next} is not after {time}");
-                if next.is_infinite() {
+                if next.is_never() {
                     prop_assert_eq!(h.at(time, &drive), WheelSpeeds::ZERO);
                     return Ok(());
                 }

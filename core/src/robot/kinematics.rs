@@ -322,9 +322,9 @@ mod tests {
             prop_assert!((limited.linear * w - limited.angular * v).abs() < 1e-9);
         }
 
-        /// The bug to fear: a robot with slow wheels that speeds up out of a curve, and one wheel is told too much.
+        /// Guards against: a robot with slow wheels that speeds up out of a curve, and one wheel is commanded too much.
         #[test]
-        fn between_what_the_wheels_can_do_they_are_told_no_more(
+        fn between_what_the_wheels_can_do_they_are_commanded_no_more(
             (a, b, wa, wb) in (-1.0..1.0f64, -1.0..1.0f64, -9.0..9.0f64, -9.0..9.0f64),
             (max_wheel_speed, track_width, duration) in (0.2..8.0f64, 0.01..1.0f64, 1e-6..0.03f64),
         ) {

@@ -1,4 +1,4 @@
-//! What a robot itself allows its wheels, whatever it is told: a bumper, a lidar field, an e-stop button.
+//! What a robot itself allows its wheels, whatever is commanded: a bumper, a lidar field, an e-stop button.
 //!
 //! It acts on the robot at once, in [`crate::actuation`], and needs no link. The controller hears of it with the next
 //! request and plans accordingly.

@@ -6,3 +6,4 @@ pub mod geometry;
 pub mod horizon;
 pub mod kinematics;
 pub mod local;
+pub mod time;

@@ -27,7 +27,7 @@ fn what_is_played_is_the_same_to_the_last_digit() {
     assert_eq!(played.lines().count(), golden.lines().count());
 }
 
-/// The record is of something: replies of every kind, a ramp to rest without a link, a hold that is told.
+/// The record is of something: replies of every kind, a ramp to rest without a link, a hold that is reported.
 #[test]
 fn the_record_holds_what_robots_meet() {
     let played = player::play(RECORD, drive());

@@ -7,6 +7,7 @@ use umwelt_core::geometry::{Pose, WheelSpeeds};
 use umwelt_core::horizon::Horizon;
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_core::local::LocalLimits;
+use umwelt_core::time::RobotTime;
 
 /// What reaches the robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +41,8 @@ impl Player {
     pub fn new(drive: Drive) -> Self {
         Self {
             drive,
-            exchange: Exchange::new(0.0),
-            actuation: Actuation::new(drive, 0.0),
+            exchange: Exchange::new(RobotTime::ZERO),
+            actuation: Actuation::new(drive, RobotTime::ZERO),
             now: 0.0,
             applied: WheelSpeeds::ZERO,
             wheels: WheelSpeeds::ZERO,
@@ -52,7 +53,8 @@ impl Player {
 
     /// When it next does something by itself.
     pub fn next(&self) -> f64 {
-        self.actuation.next_change().min(self.exchange.next_request(self.now))
+        let request = self.exchange.next_request(RobotTime::new(self.now));
+        self.actuation.next_change().earlier(request).seconds()
     }
 
     /// Takes in what reaches it now.
@@ -60,7 +62,7 @@ impl Player {
         match event {
             Event::Pose(observation) => drop(self.exchange.observe(*observation)),
             Event::Reply(horizon) => {
-                let delay = self.exchange.reply(now, horizon.answers);
+                let delay = self.exchange.reply(RobotTime::new(now), horizon.answers);
                 let taken = self.actuation.accept(horizon);
                 self.say(&format!("{now:?} reply {} {taken:?} {delay:?}", horizon.sequence));
             }
@@ -77,16 +79,16 @@ impl Player {
         let (wheels, twist) = kinematics::travel(&self.drive, self.wheels, self.applied, span);
         self.pose = self.pose.then(kinematics::integrate(twist, span));
         (self.wheels, self.now) = (wheels, now);
-        let applied = self.actuation.advance(now);
+        let applied = self.actuation.advance(RobotTime::new(now));
         if applied != self.applied {
             let (WheelSpeeds { left, right }, Pose { x, y, heading }) = (applied, self.pose);
             let heading = heading.radians();
             self.say(&format!("{now:?} wheels {left:?} {right:?} at {x:?} {y:?} {heading:?}"));
         }
         self.applied = applied;
-        let request = self.exchange.request(now, self.actuation.playing())?;
+        let request = self.exchange.request(RobotTime::new(now), self.actuation.playing())?;
         let Request { sequence, connection, observations, playing, limits, .. } = &request;
-        let playing = playing.map(|playing| (playing.horizon, playing.since));
+        let playing = playing.map(|playing| (playing.horizon, playing.since.seconds()));
         let (count, limits) = (observations.len(), (limits.hold, limits.max_speed));
         self.say(&format!(
             "{now:?} request {sequence} {connection} {count} {playing:?} {limits:?}"
@@ -118,10 +120,12 @@ pub fn write(at: f64, event: &Event) -> String {
     match event {
         Event::Pose(Observation { pose, taken }) => {
             let Pose { x, y, heading } = pose;
+            let taken = taken.seconds();
             format!("{at:?} pose {taken:?} {x:?} {y:?} {:?}", heading.radians())
         }
         Event::Reply(horizon) => {
             let Horizon { sequence, answers, start, slot, watchdog, speeds } = horizon.as_ref();
+            let start = start.seconds();
             let head = format!("{at:?} reply {sequence} {answers} {start:?} {slot:?} {watchdog:?}");
             speeds.iter().fold(head, |line, WheelSpeeds { left, right }| {
                 format!("{line} {left:?} {right:?}")
@@ -142,12 +146,12 @@ pub fn read(line: &str) -> (f64, Event) {
     let event = match words[1] {
         "pose" => {
             let pose = Pose::new(number(3), number(4), number(5));
-            Event::Pose(Observation { pose, taken: number(2) })
+            Event::Pose(Observation { pose, taken: RobotTime::new(number(2)) })
         }
         "reply" => Event::Reply(Box::new(Horizon {
             sequence: whole(2),
             answers: whole(3),
-            start: number(4),
+            start: RobotTime::new(number(4)),
             slot: number(5),
             watchdog: number(6),
             speeds: (7..words.len())

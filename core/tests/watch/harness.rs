@@ -12,6 +12,7 @@ use umwelt_core::horizon::Horizon;
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_core::settings::Settings;
 use umwelt_core::task::{Stage, Task};
+use umwelt_core::time::RobotTime;
 use umwelt_core::watch::{Alarm, Condition};
 
 /// Steps of the simulation in s.
@@ -47,7 +48,7 @@ pub struct World {
     pub seed: u64,
 }
 
-/// What came of a run.
+/// The results of a run.
 pub struct Run {
     pub controller: Controller,
     pub events: Vec<(f64, Event)>,
@@ -141,7 +142,8 @@ impl World {
         let mut controller = Controller::new(self.settings);
         controller.set_task(self.task.clone());
         let mut random = Pcg64Mcg::seed_from_u64(self.seed);
-        let (mut exchange, mut actuation) = (Exchange::new(START), Actuation::new(drive, START));
+        let (mut exchange, mut actuation) =
+            (Exchange::new(RobotTime::new(START)), Actuation::new(drive, RobotTime::new(START)));
         let (mut pose, mut real) = (Pose::default(), WheelSpeeds::ZERO);
         let mut seen: VecDeque<(f64, Observation)> = VecDeque::new();
         let mut up: VecDeque<(f64, Request)> = VecDeque::new();
@@ -150,7 +152,7 @@ impl World {
         let mut frames = 0_u64;
         for tick in 0..(seconds / TICK) as u64 {
             let t = tick as f64 * TICK;
-            let now = START + t;
+            let now = RobotTime::new(START + t);
             if t >= frames as f64 / self.rate - 1e-9 {
                 frames += 1;
                 let mut normal = || random.sample::<f64, _>(StandardNormal);

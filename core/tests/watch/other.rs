@@ -7,6 +7,7 @@ use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::identification::estimate::Channel;
 use umwelt_core::task::{Limit, Stage, Task};
+use umwelt_core::time::RobotTime;
 use umwelt_core::watch::{Alarm, Condition, Oddity};
 
 #[test]
@@ -75,7 +76,7 @@ fn poses_of_chance_end_in_rest() {
     );
 }
 
-/// A robot that turns a sixth of what it is told circles its goal; one that gets there is let go on.
+/// A robot that turns a sixth of what is commanded circles its goal; one that gets there is let go on.
 #[test]
 fn a_robot_that_circles_is_not_as_described() {
     let circles: Floor = Box::new(|_, Twist { linear, angular }| {
@@ -130,7 +131,7 @@ fn a_robot_off_its_path_rests_and_a_resume_lets_it_stray_on() {
 #[test]
 fn what_was_not_as_commanded_teaches_nothing() {
     let way = || World::new(rover(), &[(2.5, 0.0)]);
-    let forward = |run: &Run| run.controller.environment().channels[Channel::Forward as usize];
+    let forward = |run: &Run| run.controller.estimates().channels[Channel::Forward as usize];
     let before = forward(&way().run(8.0));
     let stuck = World { wheels: blocked(8.0), ..way() }.run(14.0);
     assert_eq!(stuck.condition(), Some(Condition::Stuck));
@@ -141,7 +142,7 @@ fn what_was_not_as_commanded_teaches_nothing() {
     let wheels: Wheels =
         Box::new(|_, WheelSpeeds { left, right }| WheelSpeeds { left: right, right: left });
     let swapped = World { wheels, ..World::new(rover(), &[(0.4, 0.3)]) }.run(10.0);
-    let turn = swapped.controller.environment().channels[Channel::Turn as usize];
+    let turn = swapped.controller.estimates().channels[Channel::Turn as usize];
     assert_eq!((swapped.condition(), turn.samples), (Some(Condition::FrameMismatch), 0));
 }
 
@@ -171,9 +172,9 @@ fn an_alarm_and_what_was_learned_of_speeds_outlive_a_restart() {
     assert!(!text.contains("watch"), "as earlier versions stored it: {text}");
 }
 
-/// One request of a robot that stands; whether it is told to rest.
+/// One request of a robot that stands; whether it is commanded to rest.
 fn is_rest(controller: &mut Controller, sequence: u64) -> bool {
-    let sent = 1.0 + 0.03 * sequence as f64;
+    let sent = RobotTime::new(1.0 + 0.03 * sequence as f64);
     let jitter = 1e-4 * (sequence as f64).sin();
     let pose = Pose::new(0.5 + jitter, jitter, jitter);
     let observations = [Observation { pose, taken: sent - 0.05 }].into_iter().collect();

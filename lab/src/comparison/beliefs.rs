@@ -3,14 +3,15 @@
 //! Simulation-based calibration (Talts, Betancourt, Simpson, Vehtari & Gelman 2018): where the truth is drawn from the
 //! prior and the data from the truth, the rank of the truth among draws from the posterior is uniform, and a 90 % interval
 //! holds it in 90 % of the runs. Any error of window, noise discount or update shows as a slope, a hump or a bowl in the
-//! histogram of ranks. The robot is simulated whole, with camera noise, lag and dead time, and drives by what it believes.
+//! histogram of ranks. The robot is simulated whole, with camera noise, lag and dead time, and drives by its belief.
 
-use super::witness::{Coverage, Witness};
+use super::coverage::{Coverage, CoverageRecorder};
 use crate::seeds::{self, Purpose};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use umwelt_core::conjugate::NormalInverseChiSquared;
 use umwelt_core::controller::Controller;
+use umwelt_core::controller::compensation::Compensation;
 use umwelt_core::episode::{EpisodeError, Scenario};
 use umwelt_core::geometry::{Point, Pose};
 use umwelt_core::identification::estimate::{Channel, LEVEL};
@@ -57,7 +58,7 @@ pub struct Verdict {
     pub next_held: bool,
 }
 
-/// What came of one run.
+/// The results of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// Per channel, in the order of [`Channel::ALL`].
@@ -117,10 +118,15 @@ pub fn run(prior: Prior, seed: u64, index: usize) -> Result<Run, EpisodeError> {
         }
     };
     let scenario = scenario(prior, slip);
-    let controller = Controller::with(scenario.settings, Witness::default());
+    let controller = Controller::with(scenario.settings, Compensation::STANDARD);
+    let mut recorder = CoverageRecorder::default();
     let place = [index, 0, 1];
-    let (_, controller) =
-        scenario.drive(controller, seeds::seed(seed, Purpose::Calibrate, place), |_, _| {})?;
+    let (_, controller) = scenario.drive_observed(
+        controller,
+        seeds::seed(seed, Purpose::Calibrate, place),
+        |_, _| {},
+        &mut recorder,
+    )?;
     let channels = std::array::from_fn(|channel| {
         let posterior = controller.belief().channel(Channel::ALL[channel]).posterior();
         let (mean, variance) = truth[channel];
@@ -137,7 +143,7 @@ pub fn run(prior: Prior, seed: u64, index: usize) -> Result<Run, EpisodeError> {
         verdict.next_held = (of_next.0..=of_next.1).contains(&next);
         verdict
     });
-    Ok(Run { channels, coverage: controller.compensation().coverage() })
+    Ok(Run { channels, coverage: recorder.coverage() })
 }
 
 /// Pearson's chi-squared of ranks against the uniform distribution, of [`BINS`] - 1 degrees of freedom.

@@ -118,7 +118,7 @@ mod tests {
         assert_eq!((last.mean, last.median, last.p90), (2.0, 2.0, 2.0));
     }
 
-    /// Guards against an interval that says 95 % and holds less. 400 samples of 60 normal numbers, mean and median;
+    /// Guards against: an interval that says 95 % and holds less. 400 samples of 60 normal numbers, mean and median;
     /// that many intervals hold the truth in 95 +- 2.2 % of the cases (two sd), the bootstrap of a mean of 60 in 94.
     #[test]
     fn an_interval_holds_the_truth_as_often_as_it_says() {

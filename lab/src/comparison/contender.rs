@@ -1,12 +1,19 @@
 //! Who is compared: a method with its prior and its number of slots.
 
+use super::coverage::CoverageRecorder;
 use super::episode::Trial;
-use super::witness::{Errors, Oracle, Witness};
-use crate::peers::{self, EkfPacket, GpMpc, NoCompensation, SlidingMode, StopWhenStale};
+use super::oracle::Oracle;
+use super::signature::EnvironmentSignature;
+use crate::peers::{
+    EkfPacket, EkfTuning, GpMpcTuning, NoCompensation, SlidingTuning, StaleTuning,
+    without_identification,
+};
 use umwelt_core::conjugate::SampleStatistics;
 use umwelt_core::controller::Controller;
-use umwelt_core::controller::compensation::Compensation;
-use umwelt_core::episode::{Outcome, Scenario};
+use umwelt_core::controller::compensation::{
+    Compensation, DelayModel, PathFollower, PoseEstimator,
+};
+use umwelt_core::episode::{Outcome, Scenario, TraceRow};
 use umwelt_core::identification::estimate::Channel;
 use umwelt_core::settings::{Attribution, Method, Prior, Settings};
 
@@ -26,15 +33,15 @@ pub enum Approach {
     Bayesian,
     /// Knows the floor's errors where it stands, and what the robot really plays.
     Oracle,
-    /// [`StopWhenStale`].
+    /// [`StopWhenStale`](crate::peers::StopWhenStale).
     StopWhenStale,
     /// [`NoCompensation`].
     NoCompensation,
     /// [`EkfPacket`].
     EkfPacket,
-    /// [`SlidingMode`].
+    /// [`SlidingMode`](crate::peers::SlidingMode).
     SlidingMode,
-    /// [`GpMpc`].
+    /// [`GpEstimator`](crate::peers::GpEstimator) and [`ShootingMpc`](crate::peers::ShootingMpc).
     GpMpc,
 }
 
@@ -95,7 +102,7 @@ pub struct Contender {
     pub approach: Approach,
     /// Slots per horizon.
     pub slots: usize,
-    /// What it believes before any sample, where its method is Bayesian.
+    /// Its prior, where its method is Bayesian.
     pub prior: Prior,
 }
 
@@ -165,9 +172,9 @@ impl Contender {
         format!("{}/{}", self.name, self.slots)
     }
 
-    /// What its controller is told, where all are told `told`.
-    pub fn settings(&self, told: &Settings) -> Settings {
-        let settings = Settings { slots: self.slots, prior: self.prior, ..*told };
+    /// The settings of its controller, where `base` are those of all.
+    pub fn settings(&self, base: &Settings) -> Settings {
+        let settings = Settings { slots: self.slots, prior: self.prior, ..*base };
         match self.approach {
             Approach::FixedNormal => Settings { method: Method::FixedNormal, ..settings },
             Approach::FixedBad => Settings { method: Method::FixedBad, ..settings },
@@ -178,11 +185,11 @@ impl Contender {
                 attribution: Attribution::Played,
                 ..settings
             },
-            Approach::StopWhenStale => StopWhenStale::default().settings(&settings),
-            Approach::NoCompensation => peers::heedless(&settings),
-            Approach::EkfPacket => EkfPacket::tuned(&settings).settings(&settings),
-            Approach::SlidingMode => SlidingMode::tuned(&settings).settings(&settings),
-            Approach::GpMpc => GpMpc::tuned(&settings).settings(&settings),
+            Approach::StopWhenStale => StaleTuning::default().settings(&settings),
+            Approach::NoCompensation => without_identification(&settings),
+            Approach::EkfPacket => EkfTuning::default().settings(&settings),
+            Approach::SlidingMode => SlidingTuning::default().settings(&settings),
+            Approach::GpMpc => GpMpcTuning::default().settings(&settings),
         }
     }
 
@@ -192,67 +199,78 @@ impl Contender {
     pub(super) fn drive(
         &self,
         scenario: Scenario,
-        known: &[Errors],
+        known: &[EnvironmentSignature],
         here: usize,
         seed: u64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let (told, limit) = (scenario.settings, scenario.time_limit);
+        let (controller, limit) = (scenario.settings, scenario.time_limit);
         let scenario = Scenario { time_limit: limit + CALIBRATION_TIME, ..scenario };
+        let run = Run { scenario: &scenario, seed, time_limit: limit };
         match self.approach {
             Approach::FixedNormal
             | Approach::FixedBad
             | Approach::Statistic
-            | Approach::Bayesian => self.watched(&scenario, known, here, seed, limit),
-            Approach::Oracle => outcome(&scenario, Oracle::new(&scenario), seed, limit),
-            Approach::StopWhenStale => outcome(&scenario, StopWhenStale::default(), seed, limit),
-            Approach::NoCompensation => outcome(&scenario, NoCompensation, seed, limit),
-            Approach::EkfPacket => outcome(&scenario, EkfPacket::tuned(&told), seed, limit),
-            Approach::SlidingMode => outcome(&scenario, SlidingMode::tuned(&told), seed, limit),
-            Approach::GpMpc => outcome(&scenario, GpMpc::tuned(&told), seed, limit),
+            | Approach::Bayesian => run.identifying(self.approach, known, here),
+            Approach::Oracle => run.outcome(Oracle::new(&scenario).compensation()),
+            Approach::StopWhenStale => run.outcome(StaleTuning::default().compensation()),
+            Approach::NoCompensation => run.outcome(NoCompensation::compensation()),
+            Approach::EkfPacket => run.outcome(EkfTuning::default().compensation(&controller)),
+            Approach::SlidingMode => {
+                run.outcome(SlidingTuning::default().compensation(&controller))
+            }
+            Approach::GpMpc => run.outcome(GpMpcTuning::default().compensation(&controller)),
         }
     }
+}
 
-    /// Drives one episode by what is believed, and watches what that is.
-    fn watched(
+/// One episode of one contender.
+struct Run<'a> {
+    scenario: &'a Scenario,
+    seed: u64,
+    /// Longest time in s from the end of the calibration to the arrival.
+    time_limit: f64,
+}
+
+impl Run<'_> {
+    /// Drives it by the thesis's method with any of its beliefs, and measures its belief.
+    fn identifying(
         &self,
-        scenario: &Scenario,
-        known: &[Errors],
+        approach: Approach,
+        known: &[EnvironmentSignature],
         here: usize,
-        seed: u64,
-        time_limit: f64,
     ) -> (Trial, [SampleStatistics; 4]) {
-        let identifies = self.approach.identifies();
+        let identifies = approach.identifies();
         let is_asked = identifies && known.len() > 1;
         let (mut recognised, mut samples) = (None, None);
-        let controller = Controller::with(scenario.settings, Witness::default());
-        let driven = scenario.drive(controller, seed, |_, controller| {
+        let mut recorder = CoverageRecorder::default();
+        let controller = Controller::with(self.scenario.settings, Compensation::STANDARD);
+        let show = |_: &TraceRow, controller: &Controller| {
             let belief = controller.belief();
             let taken = belief.samples();
             if is_asked && samples != Some(taken) {
                 samples = Some(taken);
-                let is_right = Errors::nearest(known, &belief.model()) == here;
+                let is_right = EnvironmentSignature::nearest(known, &belief.model()) == here;
                 recognised = if is_right { recognised.or(samples) } else { None };
             }
-        });
-        let Ok((outcome, controller)) = driven else { return lost(time_limit) };
-        let coverage = identifies.then(|| controller.compensation().coverage());
+        };
+        let driven = self.scenario.drive_observed(controller, self.seed, show, &mut recorder);
+        let Ok((outcome, controller)) = driven else { return lost(self.time_limit) };
+        let coverage = identifies.then(|| recorder.coverage());
         let statistics = |channel| controller.belief().channel(channel).sample_statistics();
-        let trial = Trial { recognised, coverage, ..trial(outcome, time_limit) };
+        let trial = Trial { recognised, coverage, ..trial(outcome, self.time_limit) };
         (trial, Channel::ALL.map(statistics))
     }
-}
 
-/// Drives one episode of which nothing but the outcome counts.
-fn outcome(
-    scenario: &Scenario,
-    compensation: impl Compensation,
-    seed: u64,
-    time_limit: f64,
-) -> (Trial, [SampleStatistics; 4]) {
-    let controller = Controller::with(scenario.settings, compensation);
-    let driven = scenario.drive(controller, seed, |_, _| {});
-    let Ok((outcome, _)) = driven else { return lost(time_limit) };
-    (trial(outcome, time_limit), Default::default())
+    /// Drives it by any method; nothing but the outcome counts.
+    fn outcome<E: PoseEstimator, D: DelayModel, F: PathFollower>(
+        &self,
+        compensation: Compensation<E, D, F>,
+    ) -> (Trial, [SampleStatistics; 4]) {
+        let controller = Controller::with(self.scenario.settings, compensation);
+        let driven = self.scenario.drive(controller, self.seed, |_, _| {});
+        let Ok((outcome, _)) = driven else { return lost(self.time_limit) };
+        (trial(outcome, self.time_limit), Default::default())
+    }
 }
 
 /// An episode's outcome as it is compared. A robot that has not arrived in time took the whole of it.
@@ -263,7 +281,7 @@ fn trial(outcome: Outcome, time_limit: f64) -> Trial {
     Trial { arrived, time, deviation: max_deviation, ..Trial::default() }
 }
 
-/// What comes of an episode that cannot be simulated: checked before, so it does not happen.
+/// The result of an episode that cannot be simulated: checked before, so it does not happen.
 fn lost(time_limit: f64) -> (Trial, [SampleStatistics; 4]) {
     (Trial { time: time_limit, ..Trial::default() }, Default::default())
 }

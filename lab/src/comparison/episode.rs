@@ -1,6 +1,7 @@
 //! Episodes: what is asked, and what is kept of one.
 
-use super::witness::{Coverage, Errors};
+use super::coverage::Coverage;
+use super::signature::EnvironmentSignature;
 use serde::{Deserialize, Serialize};
 use umwelt_core::conjugate::SampleStatistics;
 
@@ -12,7 +13,7 @@ pub struct Episode {
     pub(super) environment: usize,
     pub(super) seed: u64,
     /// How each environment shows in the samples; empty where the driver is not to recognise them.
-    pub(super) known: Vec<Errors>,
+    pub(super) known: Vec<EnvironmentSignature>,
 }
 
 /// Who drives an episode.

@@ -6,7 +6,7 @@
 //! `tell`s its whole state can be stored and taken up again: the report is the same, bit for bit.
 //!
 //! 1. *Reference*: on seeds of their own, how each environment shows in the samples, so that it can be said when a
-//!    contender believes to be in the right one.
+//!    contender recognises the right one.
 //! 2. *Trials*: every contender drives the same seeds (common random numbers): the same slots are late for each, the
 //!    same cells of the floor slip.
 //! 3. *Report*: distributions, differences to `statistic` paired by seed, with bootstrap intervals.
@@ -26,16 +26,19 @@
 pub mod beliefs;
 mod bootstrap;
 mod contender;
+mod coverage;
 mod environment;
 mod episode;
+mod oracle;
 mod quantities;
 mod report;
 mod scenario;
 mod settings;
-mod witness;
+mod signature;
 mod work;
 
 pub use contender::{Approach, BASELINE, CHAMPION, Contender, method_names};
+pub use coverage::{Coverage, SAMPLES_BEFORE};
 pub use environment::Environment;
 pub use episode::{Distribution, Episode, Evaluation, Trial};
 pub use quantities::{LEVEL, Quantities};
@@ -47,7 +50,7 @@ pub use scenario::{SCENARIOS, TRIALS};
 pub use settings::{
     ComparisonSettings, MAX_CONTENDERS, MAX_ENVIRONMENTS, MAX_EPISODES, MAX_TRIALS, SettingsError,
 };
-pub use witness::{Coverage, Errors, SAMPLES_BEFORE};
+pub use signature::EnvironmentSignature;
 
 use crate::evolution::TellError;
 use crate::seeds::{self, Purpose};
@@ -105,13 +108,13 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Known {
     slots: usize,
-    environments: Vec<Errors>,
+    environments: Vec<EnvironmentSignature>,
 }
 
 impl Comparison {
     /// A comparison that has not begun.
     ///
-    /// # Errors
+    /// # EnvironmentSignature
     /// The first thing that is wrong with the settings.
     pub fn new(settings: ComparisonSettings) -> Result<Self, SettingsError> {
         settings.check()?;
@@ -133,7 +136,7 @@ impl Comparison {
 
     /// A comparison of these settings that goes on where another one of them was: the same as that one, bit for bit.
     ///
-    /// # Errors
+    /// # EnvironmentSignature
     /// The first thing that is wrong with the settings.
     pub fn resume(settings: ComparisonSettings, state: State) -> Result<Self, SettingsError> {
         settings.check()?;
@@ -145,7 +148,7 @@ impl Comparison {
         &self.state
     }
 
-    /// What was asked for.
+    /// Its settings.
     pub fn settings(&self) -> &ComparisonSettings {
         &self.settings
     }
@@ -166,7 +169,7 @@ impl Comparison {
         reference as u64 + self.settings.compared_episodes()
     }
 
-    /// Its final result, once it is done.
+    /// The report, once it is done.
     pub fn report(&self) -> Option<&Report> {
         self.state.report.as_ref()
     }
@@ -187,7 +190,7 @@ impl Comparison {
             .collect()
     }
 
-    /// Numbers of slots of those who identify, where there are environments to be told apart.
+    /// Numbers of slots of those who identify, where there are environments to distinguish.
     fn slots(&self) -> Vec<usize> {
         if !self.settings.tells_apart() {
             return Vec::new();
@@ -259,7 +262,7 @@ impl Comparison {
 
     /// Takes in the evaluations of [`Comparison::batch`], in their order, and goes on.
     ///
-    /// # Errors
+    /// # EnvironmentSignature
     /// Where there are more or fewer than episodes; nothing has happened then.
     pub fn tell(&mut self, evaluations: &[Evaluation]) -> Result<(), TellError> {
         let asked = self.batch().len();
@@ -279,7 +282,7 @@ impl Comparison {
                     slots: slots_sent,
                     environments: (0..environments)
                         .map(|environment| {
-                            Errors::of(&of_place(environment * slots.len() + subject))
+                            EnvironmentSignature::of(&of_place(environment * slots.len() + subject))
                         })
                         .collect(),
                 });

@@ -1,11 +1,11 @@
-//! The report of a comparison: every contender's distributions in numbers, and what the thesis's claims come to.
+//! The results of a comparison: every contender's distributions in numbers, and what the thesis's claims come to.
 
 use super::bootstrap::{Replicates, Resamples, Sorted};
 use super::contender::{BASELINE, CHAMPION, Contender};
+use super::coverage::Coverage;
 use super::episode::Trial;
 use super::quantities::Quantities;
 use super::settings::ComparisonSettings;
-use super::witness::Coverage;
 use crate::evolution::Estimate;
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ pub struct Summary {
     pub deviation: Quantities<Estimate>,
 }
 
-/// When a contender believed to be in the environment that it was in.
+/// When a contender recognised the environment that it was in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recognition {
     /// Share of the trials at whose end it did.
@@ -56,7 +56,7 @@ pub struct Entry {
     pub arrived: Estimate,
     /// Time and deviation.
     pub summary: Summary,
-    /// When it believed the right thing; none where there was nothing to tell apart or it does not identify.
+    /// When it recognised the right one; none where there was nothing to distinguish or it does not identify.
     pub recognition: Option<Recognition>,
     /// Share of the samples within the 90 % interval that it had predicted for each; none where it does not identify.
     pub coverage: Option<Estimate>,
@@ -87,7 +87,7 @@ pub struct Claim {
     pub time: Quantities<Estimate>,
 }
 
-/// The report of a comparison.
+/// The results of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Trials of each contender in each environment.

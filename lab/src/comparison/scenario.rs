@@ -54,18 +54,18 @@ fn field_robot() -> Settings {
     Settings { drive, ..thesis_robot() }
 }
 
-/// A robot that is not quite as its controller assumes (field facts: robots differ by 0.4 % and 1 %; these are some
+/// A robot that is not quite as it is described to its controller (field facts: robots differ by 0.4 % and 1 %; these are some
 /// times that, a robot with a worn wheel and a load): wheels 2 % too large, a track 4 % too wide, one wheel larger than
 /// the other, so that it drifts by 0.05 rad/m, and a lag of which its controller knows nothing.
 fn uncalibrated(settings: &Settings) -> PlantModel {
     let (lag, dead_time) = FIELD_LAG;
-    let assumed = settings.drive;
+    let described = settings.drive;
     let drive = Drive {
-        wheel_radius: 1.02 * assumed.wheel_radius,
-        track_width: 1.04 * assumed.track_width,
+        wheel_radius: 1.02 * described.wheel_radius,
+        track_width: 1.04 * described.track_width,
         lag,
         dead_time,
-        ..assumed
+        ..described
     };
     let drift = SlipChannel::new(0.05, Slip::HARD.drift.sd()).expect("constants in their domain");
     PlantModel { drive, slip: Slip { drift, ..Slip::HARD }, noise: settings.noise }
@@ -106,7 +106,7 @@ impl ComparisonSettings {
     /// - `link-change`: the same way; the link is bad from 0.8 to 1.6 m.
     /// - `bursty`: the same way over bursty Wi-Fi with silences, on a hard and on a slippery floor.
     /// - `outage`: the same way; nothing gets through for 4 s.
-    /// - `systematic`: the thesis's trip with a robot that is not as its controller assumes.
+    /// - `systematic`: the thesis's trip with a robot that is not as described.
     ///
     /// ```
     /// use umwelt_lab::comparison::{ComparisonSettings, SCENARIOS};

@@ -16,7 +16,7 @@ pub const MAX_CONTENDERS: usize = 64;
 pub const MAX_ENVIRONMENTS: usize = 16;
 /// Most trials of a contender in an environment.
 pub const MAX_TRIALS: usize = 10_000;
-/// Most episodes (contenders x environments x trials): the evaluation of each is held until the end, some 20 MB.
+/// Most episodes (contenders x environments x trials): the results of each are held until the end, some 20 MB.
 pub const MAX_EPISODES: u64 = 200_000;
 
 /// The settings of a comparison.
@@ -95,7 +95,7 @@ impl ComparisonSettings {
             .fold(1, |all, count| all.saturating_mul(*count as u64))
     }
 
-    /// Whether there are environments to be told apart. Where one changes on the way there is no right one.
+    /// Whether there are environments to distinguish. Where one changes on the way there is no right one.
     pub fn tells_apart(&self) -> bool {
         self.environments.len() > 1 && self.environments.iter().all(|it| it.region.is_none())
     }

@@ -32,7 +32,7 @@ fn every_scenario_can_run_and_names_its_contenders_once() {
     }
 }
 
-/// Guards against a contender that meets other luck than the others.
+/// Guards against: a contender that meets other luck than the others.
 #[test]
 fn every_contender_drives_the_same_seeds() {
     let comparison = small("floor-change", &["statistic/1", "oracle/1", "fixed-bad/20"], 3);
@@ -108,7 +108,7 @@ fn a_report_pairs_each_contender_with_the_statistic_of_its_horizon() {
     assert!((arrived.low - 0.7639).abs() < 1e-4 && (arrived.high - 0.9911).abs() < 1e-4);
 }
 
-/// Guards against trials that never believed the right thing left out of the median.
+/// Guards against: trials that never recognised the environment left out of the median.
 #[test]
 fn an_environment_that_is_not_recognised_counts_as_never() {
     let settings = small("thesis", &["statistic/1"], 4).settings;
@@ -122,20 +122,23 @@ fn an_environment_that_is_not_recognised_counts_as_never() {
 #[test]
 fn the_nearest_environment_is_the_one_whose_errors_surprise_least() {
     use umwelt_core::prediction::{ChannelModel, ErrorModel};
-    let errors = |sd: f64, mean: f64| Errors { forward: (mean, sd * sd), turn: (mean, sd * sd) };
+    let errors = |sd: f64, mean: f64| EnvironmentSignature {
+        forward: (mean, sd * sd),
+        turn: (mean, sd * sd),
+    };
     let known = [errors(0.02, 0.0), errors(0.2, -0.05)];
     let believing = |mean, sd: f64| {
         let channel = ChannelModel::known(mean, sd * sd);
         ErrorModel { forward: channel, turn: channel, ..ErrorModel::PERFECT }
     };
-    assert_eq!(Errors::nearest(&known, &believing(0.0, 0.03)), 0);
-    assert_eq!(Errors::nearest(&known, &believing(-0.04, 0.15)), 1);
+    assert_eq!(EnvironmentSignature::nearest(&known, &believing(0.0, 0.03)), 0);
+    assert_eq!(EnvironmentSignature::nearest(&known, &believing(-0.04, 0.15)), 1);
     // Twice as wide as the narrow one is farther from it than half as wide from the wide one.
-    assert_eq!(Errors::nearest(&known, &believing(0.0, 0.1)), 1);
+    assert_eq!(EnvironmentSignature::nearest(&known, &believing(0.0, 0.1)), 1);
 }
 
-/// Guards against what is identified on the bad link taken for what is identified on the normal one. With one slot
-/// the thesis's samples tell them apart; intervals are counted for those who identify alone.
+/// Guards against: what is identified on the bad link taken for what is identified on the normal one. With one slot
+/// the thesis's samples distinguish them; intervals are counted for those who identify alone.
 #[test]
 fn statistic_recognises_the_thesis_environments() {
     let done = run(small("thesis", &["statistic/1", "fixed-normal/1"], 6));
@@ -170,7 +173,7 @@ fn beliefs_are_honest_where_the_truth_is_drawn_from_the_prior() {
     assert!((coverage.share().unwrap() - 0.9).abs() < 0.01, "{coverage:?}");
 }
 
-/// Guards against a robot that gives up early, or is late, counted as fast.
+/// Guards against: a robot that gives up early, or is late, counted as fast.
 #[test]
 fn who_does_not_arrive_in_time_took_the_whole_of_it() {
     for limit in [5.0, 0.5] {

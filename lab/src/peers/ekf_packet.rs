@@ -16,14 +16,17 @@
 //!   what the reports do not explain. It is [`EkfTuning`].
 //! - The law is the quadratic curve of the thesis: theirs is a path follower of the same kind (pure pursuit).
 
-use super::heedless;
+use super::without_identification;
 use nalgebra::{Matrix3, Vector3};
-use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::controller::compensation::{
+    Compensation, NominalDelay, PoseEstimator, QuadraticCurve,
+};
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Displacement, Pose};
 use umwelt_core::identification::Belief;
 use umwelt_core::prediction::{ERROR_WINDOW, ErrorModel};
 use umwelt_core::settings::{Attribution, Settings};
+use umwelt_core::time::RobotTime;
 
 /// Noise of the motion that the filter reckons with. Shares are standard deviations over 100 ms at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,41 +47,44 @@ impl Default for EkfTuning {
     }
 }
 
+impl EkfTuning {
+    /// What it decides by, for the camera that `settings` describe.
+    pub fn compensation(&self, settings: &Settings) -> Compensation<EkfPacket> {
+        let estimator = EkfPacket::new(*self, settings);
+        Compensation { estimator, delay: NominalDelay, follower: QuadraticCurve }
+    }
+
+    /// The settings of its controller.
+    pub fn settings(&self, settings: &Settings) -> Settings {
+        Settings { attribution: self.attribution, ..without_identification(settings) }
+    }
+}
+
 /// The filter: poses are weighed against the motion that the commands make.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EkfPacket {
     tuning: EkfTuning,
     /// Covariance of the camera.
     camera: Matrix3<f64>,
-    /// Covariance of the pose believed last.
+    /// Covariance of the pose estimated last.
     covariance: Matrix3<f64>,
-    /// When that pose was taken, and where it was believed to be.
-    last: Option<(f64, Pose)>,
+    /// When that pose was taken, and where it was estimated to be.
+    last: Option<(RobotTime, Pose)>,
 }
 
 impl EkfPacket {
     /// Packets of many commands: the thesis's longest horizon.
     pub const SLOTS: usize = 20;
 
-    /// A filter for the camera that its controller is told of.
-    pub fn new(tuning: EkfTuning, told: &Settings) -> Self {
-        let noise = told.noise;
+    /// A filter for the camera that `settings` describe.
+    pub fn new(tuning: EkfTuning, settings: &Settings) -> Self {
+        let noise = settings.noise;
         let (position, heading) = (noise.position.powi(2), noise.heading.powi(2));
         let camera = Matrix3::from_diagonal(&Vector3::new(position, position, heading));
         Self { tuning, camera, covariance: camera, last: None }
     }
 
-    /// As it is compared.
-    pub fn tuned(told: &Settings) -> Self {
-        Self::new(EkfTuning::default(), told)
-    }
-
-    /// What its controller is told.
-    pub fn settings(&self, told: &Settings) -> Settings {
-        Settings { attribution: self.tuning.attribution, ..heedless(told) }
-    }
-
-    /// Covariance of (x, y, heading) of the pose believed last, in m^2, m rad and rad^2.
+    /// Covariance of (x, y, heading) of the pose estimated last, in m^2, m rad and rad^2.
     pub fn covariance(&self) -> Matrix3<f64> {
         self.covariance
     }
@@ -99,21 +105,21 @@ impl EkfPacket {
     }
 }
 
-impl Compensation for EkfPacket {
-    fn begin(&mut self, observation: Observation) {
+impl PoseEstimator for EkfPacket {
+    fn reset(&mut self, observation: Observation) {
         self.covariance = self.camera;
         self.last = Some((observation.taken, observation.pose));
     }
 
-    fn believe(
+    fn filter_pose(
         &mut self,
-        taken: f64,
+        taken: RobotTime,
         observed: Pose,
         predicted: Pose,
         moved: Displacement,
     ) -> Pose {
         let Some((before, from)) = self.last else {
-            self.begin(Observation { pose: observed, taken });
+            self.reset(Observation { pose: observed, taken });
             return observed;
         };
         // d(x, y)/d(heading) of a rigid motion is the motion turned by a quarter.
@@ -123,7 +129,7 @@ impl Compensation for EkfPacket {
         let ahead = jacobian * self.covariance * jacobian.transpose() + process;
         // K = P (P + R)^-1; a perfect camera without process noise leaves nothing to weigh.
         let Some(inverse) = (ahead + self.camera).try_inverse() else {
-            self.begin(Observation { pose: observed, taken });
+            self.reset(Observation { pose: observed, taken });
             return observed;
         };
         let gain = ahead * inverse;
@@ -142,7 +148,7 @@ impl Compensation for EkfPacket {
         pose
     }
 
-    fn model(&self, _: &Belief, _: Pose) -> ErrorModel {
+    fn error_model(&self, _: &Belief, _: Pose) -> ErrorModel {
         ErrorModel::PERFECT
     }
 }
@@ -153,14 +159,15 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;
-    use umwelt_core::controller::{BELIEVED_AGAIN, Controller};
+    use umwelt_core::controller::{ACCEPTED_AGAIN, Controller};
     use umwelt_core::exchange::Request;
     use umwelt_core::settings::PoseNoise;
 
-    /// RMS errors of position in m and heading in rad, believed and observed, on a straight run with slip.
+    /// RMS errors of position in m and heading in rad, estimated and observed, on a straight run with slip.
     fn errors() -> [(f64, f64); 2] {
         let noise = PoseNoise::CAMERA;
-        let mut filter = EkfPacket::tuned(&Settings { noise, ..Settings::default() });
+        let mut filter =
+            EkfPacket::new(EkfTuning::default(), &Settings { noise, ..Settings::default() });
         let mut rng = Pcg64::seed_from_u64(1);
         let mut draw = |sd: f64| Normal::new(0.0, sd).unwrap().sample(&mut rng);
         let (mut truth, mut believed) = (Pose::default(), None);
@@ -176,9 +183,9 @@ mod tests {
             truth = truth.then(slipped);
             let (x, y) = (truth.x + draw(noise.position), truth.y + draw(noise.position));
             let observed = Pose::new(x, y, truth.heading.radians() + draw(noise.heading));
-            let taken = f64::from(step) * 0.03;
+            let taken = RobotTime::new(f64::from(step) * 0.03);
             let predicted = believed.map_or(observed, |pose: Pose| pose.then(moved));
-            let pose = filter.believe(taken, observed, predicted, moved);
+            let pose = filter.filter_pose(taken, observed, predicted, moved);
             believed = Some(pose);
             for (squares, pose) in squares.iter_mut().zip([pose, observed]) {
                 squares.0 += pose.point().distance(truth.point()).powi(2);
@@ -189,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_believed_is_nearer_the_truth_than_what_the_camera_says() {
+    fn estimates_are_nearer_the_truth_than_what_the_camera_says() {
         let [believed, observed] = errors();
         assert!(believed.0 < 0.8 * observed.0, "{believed:?} {observed:?}");
         assert!(believed.1 < 0.8 * observed.1, "{believed:?} {observed:?}");
@@ -209,28 +216,29 @@ mod tests {
         let noise = PoseNoise { position: 1.0, heading: 1e-3 };
         let exact = EkfTuning { share: 0.0, drift: 0.0, floor: (0.0, 0.0), ..EkfTuning::default() };
         let mut filter = EkfPacket::new(exact, &Settings { noise, ..Settings::default() });
-        filter.begin(Observation { pose: from, taken: 0.0 });
+        filter.reset(Observation { pose: from, taken: RobotTime::ZERO });
         filter.covariance = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 1e-6));
-        filter.believe(1.0, one, one, moved);
+        filter.filter_pose(RobotTime::new(1.0), one, one, moved);
         let covariance = filter.covariance();
         assert!((covariance[(0, 1)] / covariance[(1, 1)] + dy / dx).abs() < 1e-6, "{covariance}");
     }
 
-    /// The bug to fear: a robot that was carried away, and a filter that takes it for one that drove there.
+    /// Guards against: a robot that was carried away, and a filter that takes it for one that drove there.
     #[test]
     fn a_robot_that_was_carried_away_is_filtered_anew() {
-        let told = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
-        let mut controller = Controller::with(told, EkfPacket::tuned(&told));
-        let camera = controller.compensation().camera;
-        for sequence in 1..=10 + u64::from(BELIEVED_AGAIN) {
-            let taken = sequence as f64 * 0.03;
+        let settings = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
+        let mut controller =
+            Controller::with(settings, EkfTuning::default().compensation(&settings));
+        let camera = controller.compensation().estimator.camera;
+        for sequence in 1..=10 + u64::from(ACCEPTED_AGAIN) {
+            let taken = RobotTime::new(sequence as f64 * 0.03);
             let x = if sequence <= 10 { 0.0 } else { 1.0 };
             let mut request = Request { sequence, sent: taken + 0.13, ..Request::EMPTY };
             request.observations.push(Observation { pose: Pose::new(x, 0.0, 0.0), taken });
             controller.step(&request);
             let is_first = sequence == 1 || x == 1.0 && controller.pose().unwrap().pose.x == 1.0;
-            assert_eq!(controller.compensation().covariance() == camera, is_first);
+            assert_eq!(controller.compensation().estimator.covariance() == camera, is_first);
         }
-        assert_eq!(controller.compensation().covariance(), camera);
+        assert_eq!(controller.compensation().estimator.covariance(), camera);
     }
 }

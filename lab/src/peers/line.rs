@@ -46,7 +46,9 @@ mod tests {
             from: Some(Point::new(0.0, 0.0)),
             to: Point::new(if reverse { -2.0 } else { 2.0 }, 0.0),
             reverse,
-            speed: 0.13,
+            stoppable: 0.13,
+            slowest: 0.023,
+            is_raised: false,
             since_change: 0.03,
         }
     }

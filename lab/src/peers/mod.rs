@@ -1,5 +1,5 @@
-//! Methods of others, to be compared with: each is a [`Compensation`](umwelt_core::controller::compensation::Compensation) of
-//! the same controller.
+//! Methods of others, to be compared with: each replaces parts of the
+//! [`Compensation`](umwelt_core::controller::compensation::Compensation) of the same controller.
 //!
 //! They drive the same tasks under the same limits and know the same robot; what is theirs is how they deal with delay.
 //! None of them identifies the floor or slows down for what it does not know.
@@ -24,17 +24,31 @@ mod sliding_mode;
 mod stop_when_stale;
 
 pub use ekf_packet::{EkfPacket, EkfTuning};
-pub use gp_mpc::{GaussianProcess, GpMpc, GpMpcTuning, GpTuning, MpcTuning};
+pub use gp_mpc::{GaussianProcess, GpEstimator, GpMpcTuning, GpTuning, MpcTuning, ShootingMpc};
 pub use no_compensation::NoCompensation;
-pub use sliding_mode::{DelayChain, SlidingMode, SlidingTuning};
+pub use sliding_mode::{DelayChain, ForeseenDelay, SlidingMode, SlidingTuning};
 pub use stop_when_stale::{StaleTuning, StopWhenStale};
 
+use umwelt_core::controller::compensation::PoseEstimator;
+use umwelt_core::geometry::Pose;
+use umwelt_core::identification::Belief;
+use umwelt_core::prediction::ErrorModel;
 use umwelt_core::settings::{Method, Settings, VarianceLimits};
 
-/// What every peer's controller is told: no identification of the floor, and no slowing down for what it does not know.
-pub fn heedless(told: &Settings) -> Settings {
+/// The settings of every peer's controller: no identification of the floor, and no slowing down for what is not known.
+pub fn without_identification(settings: &Settings) -> Settings {
     let variance = VarianceLimits { position: f64::INFINITY, heading: f64::INFINITY };
-    Settings { method: Method::FixedNormal, variance, ..*told }
+    Settings { method: Method::FixedNormal, variance, ..*settings }
+}
+
+/// Predicts that the robot moves as it is commanded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AsCommanded;
+
+impl PoseEstimator for AsCommanded {
+    fn error_model(&self, _: &Belief, _: Pose) -> ErrorModel {
+        ErrorModel::PERFECT
+    }
 }
 
 #[cfg(test)]

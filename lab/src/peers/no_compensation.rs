@@ -1,9 +1,12 @@
 //! `no-compensation`: what a controller does that was written for a wire.
 
-use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::controller::compensation::{
+    Compensation, DelayModel, PoseEstimator, QuadraticCurve,
+};
 use umwelt_core::geometry::Pose;
 use umwelt_core::prediction::Prediction;
 use umwelt_core::settings::Settings;
+use umwelt_core::time::RobotTime;
 
 /// Steers by the last pose as if the robot stood there now: no delay is made up for.
 ///
@@ -14,18 +17,27 @@ use umwelt_core::settings::Settings;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoCompensation;
 
-impl Compensation for NoCompensation {
+impl NoCompensation {
+    /// What it decides by.
+    pub fn compensation() -> Compensation<Self, Self> {
+        Compensation { estimator: Self, delay: Self, follower: QuadraticCurve }
+    }
+}
+
+impl DelayModel for NoCompensation {
     fn loop_delay(&self, _: &Settings) -> f64 {
         // Its commands come into force as soon as they arrive.
         0.0
     }
+}
 
-    fn predict(
+impl PoseEstimator for NoCompensation {
+    fn predict_pose(
         &self,
         settings: &Settings,
-        _: f64,
+        _: RobotTime,
         observed: Pose,
-        _: f64,
+        _: RobotTime,
         _: Prediction,
     ) -> Prediction {
         Prediction::moments(observed, settings.noise)

@@ -1,7 +1,7 @@
 //! `stop-when-stale`: what operators ask of a robot that has no other remedy.
 
-use super::heedless;
-use umwelt_core::controller::compensation::Compensation;
+use super::without_identification;
+use umwelt_core::controller::compensation::{Compensation, DelayModel, Identified, QuadraticCurve};
 use umwelt_core::settings::Settings;
 
 /// The times after which it stops.
@@ -30,20 +30,21 @@ pub struct StopWhenStale {
     tuning: StaleTuning,
 }
 
-impl StopWhenStale {
-    /// With times of its own.
-    pub fn new(tuning: StaleTuning) -> Self {
-        Self { tuning }
+impl StaleTuning {
+    /// What it decides by.
+    pub fn compensation(&self) -> Compensation<Identified, StopWhenStale> {
+        let delay = StopWhenStale { tuning: *self };
+        Compensation { estimator: Identified, delay, follower: QuadraticCurve }
     }
 
-    /// What its controller is told.
-    pub fn settings(&self, told: &Settings) -> Settings {
-        Settings { watchdog: self.tuning.watchdog, ..heedless(told) }
+    /// The settings of its controller.
+    pub fn settings(&self, settings: &Settings) -> Settings {
+        Settings { watchdog: self.watchdog, ..without_identification(settings) }
     }
 }
 
-impl Compensation for StopWhenStale {
-    fn patience(&self, settings: &Settings) -> f64 {
+impl DelayModel for StopWhenStale {
+    fn max_pose_age(&self, settings: &Settings) -> f64 {
         settings.loop_delay + self.tuning.stale
     }
 }

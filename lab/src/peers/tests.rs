@@ -1,7 +1,9 @@
 use super::*;
 use crate::comparison::ComparisonSettings;
 use umwelt_core::controller::Controller;
-use umwelt_core::controller::compensation::Compensation;
+use umwelt_core::controller::compensation::{
+    Compensation, DelayModel, PathFollower, PoseEstimator,
+};
 use umwelt_core::episode::{Outcome, Scenario};
 
 /// The thesis's trip over its normal link.
@@ -20,7 +22,10 @@ fn scenario(settings: impl Fn(&Settings) -> Settings, slots: usize) -> Scenario 
 }
 
 /// Drives a few seeds, each twice.
-fn drive<C: Compensation>(scenario: &Scenario, peer: impl Fn(&Settings) -> C) -> Vec<Outcome> {
+fn drive<E: PoseEstimator, D: DelayModel, F: PathFollower>(
+    scenario: &Scenario,
+    peer: impl Fn(&Settings) -> Compensation<E, D, F>,
+) -> Vec<Outcome> {
     let run = |seed| {
         let controller = Controller::with(scenario.settings, peer(&scenario.settings));
         scenario.drive(controller, seed, |_, _| {}).unwrap().0
@@ -39,25 +44,30 @@ fn all_arrive(outcomes: &[Outcome], deviation: f64) {
 
 #[test]
 fn the_filter_arrives() {
-    let scenario = scenario(|told| EkfPacket::tuned(told).settings(told), EkfPacket::SLOTS);
-    all_arrive(&drive(&scenario, EkfPacket::tuned), 0.015);
+    let peer = EkfTuning::default();
+    let scenario = scenario(|settings| peer.settings(settings), EkfPacket::SLOTS);
+    all_arrive(&drive(&scenario, |settings| peer.compensation(settings)), 0.015);
 }
 
 #[test]
 fn sliding_mode_arrives() {
-    let scenario = scenario(|told| SlidingMode::tuned(told).settings(told), 1);
-    all_arrive(&drive(&scenario, SlidingMode::tuned), 0.015);
+    let peer = SlidingTuning::default();
+    let scenario = scenario(|settings| peer.settings(settings), 1);
+    all_arrive(&drive(&scenario, |settings| peer.compensation(settings)), 0.015);
 }
 
 #[test]
 fn the_gaussian_process_arrives() {
-    let scenario = scenario(|told| GpMpc::tuned(told).settings(told), 1);
-    all_arrive(&drive(&scenario, GpMpc::tuned), 0.015);
+    let peer = GpMpcTuning::default();
+    let scenario = scenario(|settings| peer.settings(settings), 1);
+    all_arrive(&drive(&scenario, |settings| peer.compensation(settings)), 0.015);
 }
 
 #[test]
 fn those_who_do_not_predict_or_do_not_wait_arrive_too() {
-    let stale = |_: &Settings| StopWhenStale::default();
-    all_arrive(&drive(&scenario(|told| stale(told).settings(told), 1), stale), 0.03);
-    all_arrive(&drive(&scenario(heedless, 1), |_| NoCompensation), 0.05);
+    let stale = StaleTuning::default();
+    let stops = scenario(|settings| stale.settings(settings), 1);
+    all_arrive(&drive(&stops, |_| stale.compensation()), 0.03);
+    let naive = scenario(without_identification, 1);
+    all_arrive(&drive(&naive, |_| NoCompensation::compensation()), 0.05);
 }

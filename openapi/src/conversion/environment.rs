@@ -1,12 +1,13 @@
 //! What is identified.
 
 use super::known;
-use crate::environment::{Channel, Channels, Environment, Interval, LUCK, Link, Prior};
+use crate::environment::{Channel, Channels, Environment, Interval, LUCK, Link, Prior, Status};
+use umwelt_core::identification::Status as CoreStatus;
 use umwelt_core::identification::estimate::{self, LEVEL};
 
 impl Environment {
     /// What was identified, beginning with `prior`.
-    pub fn new(core: &estimate::Environment, prior: Prior) -> Self {
+    pub fn new(core: &estimate::Estimates, prior: Prior) -> Self {
         let [forward, lateral, turn, drift] = core.channels.map(Channel::from);
         Self {
             method: core.method.into(),
@@ -16,6 +17,17 @@ impl Environment {
             windows_rejected: core.windows_rejected,
             poses_set_aside: core.poses_set_aside,
             prior,
+        }
+    }
+}
+
+impl From<CoreStatus> for Status {
+    fn from(core: CoreStatus) -> Self {
+        match core {
+            CoreStatus::Unestimated => Self::Unestimated,
+            CoreStatus::Estimating { .. } => Self::Estimating,
+            CoreStatus::Estimated => Self::Estimated,
+            CoreStatus::Rejected { .. } => Self::Rejected,
         }
     }
 }
@@ -31,6 +43,12 @@ impl From<estimate::ChannelEstimate> for Channel {
             samples: core.samples,
             effective_samples: known(core.effective_samples),
             ln_evidence: known(core.ln_evidence),
+            status: core.status.into(),
+            estimated_fraction: core.status.fraction().and_then(known),
+            rejected_for: match core.status {
+                CoreStatus::Rejected { reason } => Some(reason.into()),
+                _ => None,
+            },
         }
     }
 }
@@ -46,6 +64,10 @@ impl From<estimate::LinkEstimate> for Link {
             late_interval: interval(core.late_interval),
             chance_of_luck: known(core.chance_of_luck),
             note: note(&core),
+            delay_status: core.delay_status.into(),
+            delay_estimated_fraction: core.delay_status.fraction().and_then(known),
+            late_status: core.late_status.into(),
+            late_estimated_fraction: core.late_status.fraction().and_then(known),
         }
     }
 }
@@ -70,6 +92,7 @@ mod tests {
     use super::*;
     use crate::prior::Source;
     use crate::robot::Method;
+    use crate::watch;
     use umwelt_core::settings;
 
     fn environment(number: f64, samples: u64, late: u64) -> Environment {
@@ -83,6 +106,7 @@ mod tests {
             samples,
             effective_samples: number,
             ln_evidence: number,
+            status: CoreStatus::Estimating { fraction: 0.25 },
         };
         let link = estimate::LinkEstimate {
             samples,
@@ -92,8 +116,10 @@ mod tests {
             late_probability: number,
             late_interval: (number, number),
             chance_of_luck: 0.95f64.powf(samples as f64),
+            delay_status: CoreStatus::Estimated,
+            late_status: CoreStatus::Estimating { fraction: 0.5 },
         };
-        let core = estimate::Environment {
+        let core = estimate::Estimates {
             method: settings::Method::Bayesian,
             channels: estimate::Channel::ALL.map(channel),
             link,
@@ -110,6 +136,59 @@ mod tests {
         assert_eq!(wire.channels.drift.mean_interval, Some(Interval { low: 0.125, high: 0.125 }));
         assert_eq!(wire.link.late_probability, Some(0.125));
         assert_eq!((wire.channels.turn.samples, wire.windows_rejected), (7, 1));
+        let turn = wire.channels.turn;
+        assert_eq!((turn.status, turn.estimated_fraction), (Status::Estimating, Some(0.25)));
+        let Link { delay_status, delay_estimated_fraction, late_status, .. } = wire.link;
+        assert_eq!((delay_status, delay_estimated_fraction), (Status::Estimated, Some(1.0)));
+        assert_eq!(late_status, Status::Estimating);
+    }
+
+    #[test]
+    fn every_status_has_the_name_of_core() {
+        use umwelt_core::watch::Condition;
+        for core in [
+            CoreStatus::Unestimated,
+            CoreStatus::Estimating { fraction: 0.5 },
+            CoreStatus::Estimated,
+            CoreStatus::Rejected { reason: Condition::Stuck },
+        ] {
+            let status = Status::from(core);
+            assert_eq!(serde_json::to_value(status).unwrap(), core.name());
+            assert_eq!(status.name(), core.name());
+        }
+        assert_eq!(serde_json::from_str::<Status>("\"of-tomorrow\"").unwrap(), Status::Other);
+    }
+
+    #[test]
+    fn what_samples_are_set_aside_for_is_named() {
+        use umwelt_core::identification::Belief;
+        use umwelt_core::settings::Prior as CorePrior;
+        use umwelt_core::watch::Condition;
+        let shown = |method, rejected| {
+            let belief = Belief::new(method, &CorePrior::default(), false);
+            let prior = Prior::of(None, Source::Inline, method.into());
+            Environment::new(&belief.estimates(rejected), prior).channels.forward
+        };
+        let stuck = shown(settings::Method::Bayesian, Some(Condition::Stuck));
+        assert_eq!(
+            (stuck.status, stuck.rejected_for),
+            (Status::Rejected, Some(watch::State::Stuck))
+        );
+        assert_eq!(stuck.estimated_fraction, None);
+        let fixed = shown(settings::Method::FixedBad, None);
+        assert_eq!((fixed.status, fixed.rejected_for), (Status::Unestimated, None));
+    }
+
+    /// A server of an earlier version says nothing of it.
+    #[test]
+    fn an_environment_without_statuses_is_read() {
+        let mut json = serde_json::to_value(environment(0.5, 7, 1)).unwrap();
+        let forward = json["channels"]["forward"].as_object_mut().unwrap();
+        forward.retain(|name, _| {
+            !["status", "estimated_fraction", "rejected_for"].contains(&name.as_str())
+        });
+        let wire: Environment = serde_json::from_value(json).unwrap();
+        assert_eq!(wire.channels.forward.status, Status::Other);
     }
 
     #[test]

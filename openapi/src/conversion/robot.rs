@@ -247,7 +247,7 @@ impl From<exchange::Observation> for Pose {
             x_m: core.pose.x,
             y_m: core.pose.y,
             heading_rad: core.pose.heading.radians(),
-            taken_s: core.taken,
+            taken_s: core.taken.seconds(),
         }
     }
 }

@@ -9,6 +9,7 @@ use umwelt_core::exchange;
 use umwelt_core::geometry;
 use umwelt_core::horizon;
 use umwelt_core::local::LocalLimits;
+use umwelt_core::time::RobotTime;
 
 impl From<exchange::Observation> for Observation {
     fn from(core: exchange::Observation) -> Self {
@@ -16,7 +17,7 @@ impl From<exchange::Observation> for Observation {
             x_m: core.pose.x,
             y_m: core.pose.y,
             heading_rad: core.pose.heading.radians(),
-            taken_s: core.taken,
+            taken_s: core.taken.seconds(),
         }
     }
 }
@@ -25,7 +26,7 @@ impl Observation {
     fn convert(self) -> exchange::Observation {
         exchange::Observation {
             pose: geometry::Pose::new(self.x_m, self.y_m, self.heading_rad),
-            taken: self.taken_s,
+            taken: RobotTime::new(self.taken_s),
         }
     }
 }
@@ -44,7 +45,7 @@ impl Delivery {
 
 impl From<actuation::Playing> for Playing {
     fn from(core: actuation::Playing) -> Self {
-        Self { horizon: core.horizon, since_s: core.since }
+        Self { horizon: core.horizon, since_s: core.since.seconds() }
     }
 }
 
@@ -54,7 +55,7 @@ impl Request {
         Self {
             sequence: core.sequence,
             epoch,
-            sent_s: core.sent,
+            sent_s: core.sent.seconds(),
             observations: core.observations.iter().copied().map(Observation::from).collect(),
             deliveries: core.deliveries.iter().copied().map(Delivery::from).collect(),
             playing: core.playing.map(Playing::from),
@@ -70,12 +71,12 @@ impl Checked<Request> {
         exchange::Request {
             sequence: self.sequence,
             connection: 0,
-            sent: self.sent_s,
+            sent: RobotTime::new(self.sent_s),
             observations: self.observations.iter().copied().map(Observation::convert).collect(),
             deliveries: self.deliveries.iter().copied().map(Delivery::convert).collect(),
             playing: self.playing.map(|playing| actuation::Playing {
                 horizon: playing.horizon,
-                since: playing.since_s,
+                since: RobotTime::new(playing.since_s),
             }),
             limits: LocalLimits { hold: self.hold, max_speed: self.max_speed_m_per_s },
         }
@@ -96,7 +97,7 @@ impl Horizon {
         Ok(horizon::Horizon {
             sequence: self.sequence,
             answers: self.answers,
-            start: self.start_s,
+            start: RobotTime::new(self.start_s),
             slot: self.slot_s,
             watchdog: self.watchdog_s,
             speeds: speeds.collect(),
@@ -109,10 +110,10 @@ impl From<&horizon::Horizon> for Horizon {
         Self {
             sequence: core.sequence,
             answers: core.answers,
-            start_s: core.start,
+            start_s: core.start.seconds(),
             slot_s: core.slot,
             watchdog_s: core.watchdog,
-            valid_until_s: super::known(core.valid_until()),
+            valid_until_s: super::known(core.valid_until().seconds()),
             wheel_speeds: core.speeds.iter().copied().map(WheelSpeeds::from).collect(),
         }
     }

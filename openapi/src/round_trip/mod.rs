@@ -18,6 +18,7 @@ use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::local::LocalLimits;
 use umwelt_core::settings::Settings;
 use umwelt_core::task as core_task;
+use umwelt_core::time::RobotTime;
 use umwelt_core::watch::Condition;
 
 proptest! {
@@ -44,7 +45,7 @@ proptest! {
     #[test]
     fn a_horizon_survives_the_wire(core in horizon()) {
         let wire = step::Horizon::from(&core);
-        prop_assert_eq!(wire.valid_until_s.unwrap_or(f64::INFINITY), core.valid_until());
+        prop_assert_eq!(wire.valid_until_s.unwrap_or(f64::INFINITY), core.valid_until().seconds());
         let json = serde_json::to_vec(&wire).unwrap();
         let wire: step::Horizon = serde_json::from_slice(&json).unwrap();
         prop_assert_eq!(wire.to_core(), Ok(core));
@@ -73,7 +74,7 @@ proptest! {
         *body.pointer_mut(path).unwrap() = bad;
         if let Ok(wire) = step::Request::read(body.to_string().as_bytes()) {
             let core = wire.to_core();
-            prop_assert!(core.sequence <= MAX && core.sent.abs() <= 1e9);
+            prop_assert!(core.sequence <= MAX && core.sent.seconds().abs() <= 1e9);
             prop_assert!(core.observations.iter().all(|o| o.pose.x.abs() <= 1e4 && o.taken <= core.sent));
             prop_assert!(core.deliveries.iter().all(|d| (0.0..=86_400.0).contains(&d.loop_delay)));
         }
@@ -167,7 +168,7 @@ fn the_largest_bodies_fit() {
     let task = core_task::Task { waypoints, ..core_task::Task::thesis() };
     let size = serde_json::to_vec(&task::Spec::from(&task)).unwrap().len();
     assert!(2 * size < task::MAX_BODY, "{size}");
-    let sent = 987_654_321.012_345_6;
+    let sent = RobotTime::new(987_654_321.012_345_6);
     let observation = Observation { pose: Pose { x, y: x, ..Pose::new(x, x, x) }, taken: sent };
     let request = Request {
         sequence: MAX,
@@ -185,7 +186,7 @@ fn the_largest_bodies_fit() {
 /// A server of before takes the request of a robot that allows everything: it refuses fields that it does not know.
 #[test]
 fn a_robot_that_allows_everything_says_nothing_of_it() {
-    let request = Request { sequence: 1, sent: 1.0, ..Request::EMPTY };
+    let request = Request { sequence: 1, sent: RobotTime::new(1.0), ..Request::EMPTY };
     let said = serde_json::to_value(step::Request::from_core(&request, 1)).unwrap();
     assert_eq!((said.get("hold"), said.get("max_speed_m_per_s")), (None, None));
     let held =
@@ -236,14 +237,15 @@ fn a_number_that_does_not_exist_cannot_be_sent() {
     let mut horizon = Horizon {
         sequence: 1,
         answers: 1,
-        start: 0.0,
+        start: RobotTime::ZERO,
         slot: SLOT,
         watchdog: 0.3,
         speeds: Default::default(),
     };
     horizon.speeds.push(WheelSpeeds { left: f64::NAN, right: 0.0 });
     assert!(serde_json::to_string(&step::Horizon::from(&horizon)).is_err());
-    let pose = Observation { pose: Pose { x: f64::INFINITY, ..Pose::default() }, taken: 0.0 };
+    let pose =
+        Observation { pose: Pose { x: f64::INFINITY, ..Pose::default() }, taken: RobotTime::ZERO };
     assert!(serde_json::to_string(&step::Observation::from(pose)).is_err());
     assert!(serde_json::to_string(&robot::Pose::from(pose)).is_err());
 }

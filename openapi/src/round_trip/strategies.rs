@@ -12,6 +12,7 @@ use umwelt_core::kinematics::Drive;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::settings::{self, Settings};
 use umwelt_core::task as core_task;
+use umwelt_core::time::RobotTime;
 
 pub(super) const MAX: u64 = robot::MAX_INTEGER;
 
@@ -160,7 +161,7 @@ pub(super) fn request() -> impl Strategy<Value = Request> {
     let limits = (any::<bool>(), prop::option::of(within(step::MAX_SPEED)));
     (1..=MAX, within(step::TIME), poses, deliveries, playing, limits).prop_map(
         |(sequence, sent, poses, deliveries, playing, (hold, max_speed))| {
-            let sent = sent.max(step::TIME.min + 100.0);
+            let sent = RobotTime::new(sent.max(step::TIME.min + 100.0));
             let mut taken = sent - 50.0;
             let observations = poses.into_iter().map(|(pose, later)| {
                 taken += later;
@@ -191,7 +192,7 @@ pub(super) fn horizon() -> impl Strategy<Value = Horizon> {
         .prop_map(|(sequence, answers, start, slot, watchdog, speeds)| Horizon {
             sequence,
             answers,
-            start,
+            start: RobotTime::new(start),
             slot,
             watchdog,
             speeds: speeds.into_iter().map(|(left, right)| WheelSpeeds { left, right }).collect(),

@@ -66,7 +66,7 @@ pub fn drive(robot: &Settings, first: Task, began: f64, acts: Vec<Act>) -> TestC
             Act::Settings(settings) => {
                 controller.replace_settings(Settings { drive: robot.drive, ..*settings });
             }
-            Act::Forget => controller.reset_environment(),
+            Act::Forget => controller.reset_belief(),
         }
     }
     judge.restored(&controller).map(|_| ())

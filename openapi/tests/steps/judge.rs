@@ -9,6 +9,7 @@ use umwelt_core::geometry::Twist;
 use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::kinematics::{self, Drive};
 use umwelt_core::settings::Attribution;
+use umwelt_core::time::RobotTime;
 
 /// Rounding of speeds, as a part of them, and of times in s.
 const ROUNDING: f64 = 1e-9;
@@ -73,17 +74,17 @@ impl Judge {
         let (sent, start) = (request.sent, horizon.start);
         prop_assert_eq!(horizon.sequence, request.sequence);
         prop_assert!(start >= sent, "it begins at {start} s, sent at {sent} s");
-        let latest = sent + LOOP_DELAY.max.max(SLOT) + ROUNDING * (1.0 + sent.abs());
+        let latest = sent + LOOP_DELAY.max.max(SLOT) + ROUNDING * (1.0 + sent.seconds().abs());
         prop_assert!(start <= latest, "it begins at {start} s, sent at {sent} s");
         // What a robot that rests on its own has let go of never begins.
         let before = self.answered[self.let_go..].last();
-        let before = before.map_or(f64::NEG_INFINITY, |before| before.start);
+        let before = before.map_or(RobotTime::BEFORE_ALL, |before| before.start);
         prop_assert!(start >= before, "it begins at {start} s, the one before at {before} s");
         Ok(())
     }
 
     /// It goes on from what was in force before it, as the robot plays what it was sent.
-    fn follows(&self, drive: &Drive, start: f64, first: Twist) -> TestCaseResult {
+    fn follows(&self, drive: &Drive, start: RobotTime, first: Twist) -> TestCaseResult {
         let time = start - BEFORE;
         let recent = self.answered[self.let_go..].iter().rev().take(REMEMBERED);
         let before = recent.clone().find(|horizon| horizon.start <= time + ROUNDING);

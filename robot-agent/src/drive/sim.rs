@@ -10,6 +10,7 @@ use umwelt_core::horizon::SLOT;
 use umwelt_core::link::SENSOR_DELAY;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::plant::{Plant, PlantError, PlantModel};
+use umwelt_core::time::RobotTime;
 
 /// A simulated robot under a camera that takes a frame per slot and tells its pose a sensor delay later.
 #[derive(Clone, Debug)]
@@ -103,7 +104,8 @@ impl Drive for Sim {
             let taken = self.next_frame();
             self.pass(taken);
             self.frames += 1;
-            let observation = Observation { pose: self.plant.observe(), taken };
+            let observation =
+                Observation { pose: self.plant.observe(), taken: RobotTime::new(taken) };
             self.seen.push_back((taken + self.sensor_delay, observation));
         }
         self.pass(now);
@@ -144,7 +146,7 @@ mod tests {
         }
         // 1 s less the sensor delay, in slots
         assert_eq!(known.len(), ((1.0 - SENSOR_DELAY) / SLOT).ceil() as usize);
-        assert!(known.iter().all(|(at, taken)| (at - taken - SENSOR_DELAY).abs() < 1e-9));
+        assert!(known.iter().all(|(at, taken)| (at - taken.seconds() - SENSOR_DELAY).abs() < 1e-9));
         assert!((sim.true_pose().unwrap().x - 0.06 * (sim.now - 5.0)).abs() < 1e-9);
     }
 
@@ -159,7 +161,7 @@ mod tests {
             poses.push(observation);
         }
         for Observation { pose, taken } in poses {
-            assert!((pose.x - 0.06 * taken).abs() < 1e-9);
+            assert!((pose.x - 0.06 * taken.seconds()).abs() < 1e-9);
         }
     }
 }

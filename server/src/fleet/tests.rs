@@ -9,6 +9,7 @@ use std::time::Duration;
 use umwelt_api::problem::reason;
 use umwelt_api::robot::State;
 use umwelt_core::exchange::Request;
+use umwelt_core::time::RobotTime;
 
 fn empty() -> Fleet {
     open(Vec::new())
@@ -104,7 +105,7 @@ async fn robots_that_compute_for_ever_hold_up_nobody_and_can_be_stopped() {
 }
 
 fn step(sequence: u64) -> Request {
-    Request { sequence, sent: sequence as f64, ..Request::EMPTY }
+    Request { sequence, sent: RobotTime::new(sequence as f64), ..Request::EMPTY }
 }
 
 /// The bug to fear: what an earlier version took can no longer be named, and drives on.

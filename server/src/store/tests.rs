@@ -6,6 +6,7 @@ use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::geometry::Point;
 use umwelt_core::settings::{Prior, Settings};
 use umwelt_core::task::Task;
+use umwelt_core::time::RobotTime;
 
 /// The store under test with what it needs as long as it lives.
 fn stores() -> Vec<(&'static str, Box<dyn Store>, Option<tempfile::TempDir>)> {
@@ -44,7 +45,7 @@ pub(crate) fn saved(record: &Record, deliveries: u64) -> Saved {
         controller.late(&umwelt_core::exchange::Request {
             sequence,
             connection: 0,
-            sent: 1.0,
+            sent: RobotTime::new(1.0),
             observations: Default::default(),
             deliveries: std::iter::once(umwelt_core::exchange::Delivery {
                 sequence,

@@ -26,6 +26,7 @@ pub const SUBJECTS: &[(&str, &[&str], &[&str])] = &[
 
 const CORE: Layers = &[
     &["robot/geometry/"],
+    &["robot/time.rs"],
     &["robot/kinematics.rs"],
     &["robot/horizon.rs"],
     &["robot/"],

@@ -62,7 +62,7 @@ fn simulate(scenario: &Scenario, seed: u64) -> Run {
         time: outcome.time,
         observed: controller.progress().max_deviation,
         driven: off_the_path(&scenario.task, points.into_iter()),
-        loop_delay: controller.environment().link.median.unwrap(),
+        loop_delay: controller.estimates().link.median.unwrap(),
     }
 }
 

@@ -2,10 +2,10 @@
 
 use crate::actuation::Playing;
 use crate::geometry::WheelSpeeds;
-use crate::geometry::elementary::least;
 use crate::horizon::{Horizon, MAX_SLOTS, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use crate::settings::Attribution;
+use crate::time::RobotTime;
 use std::collections::VecDeque;
 
 /// Most horizons remembered: three seconds at one per slot, more than any of them stays in force.
@@ -32,8 +32,8 @@ const SOON: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Played {
     playing: Playing,
-    /// Time in s of the last report that said so.
-    reported: f64,
+    /// When the last report said so.
+    reported: RobotTime,
 }
 
 /// The horizons sent to one robot and its reports of what it plays, oldest first.
@@ -96,7 +96,13 @@ impl Commands {
     /// Begins a horizon that is being sent, still without speeds; starts never go back.
     ///
     /// It is filled in place, that of the one forgotten for it: a horizon is large, and one is sent in every slot.
-    pub fn begin(&mut self, sequence: u64, start: f64, slot: f64, watchdog: f64) -> &mut Horizon {
+    pub fn begin(
+        &mut self,
+        sequence: u64,
+        start: RobotTime,
+        slot: f64,
+        watchdog: f64,
+    ) -> &mut Horizon {
         let horizon = self.sent.next();
         (horizon.sequence, horizon.answers) = (sequence, sequence);
         (horizon.start, horizon.slot, horizon.watchdog) = (start, slot, watchdog);
@@ -106,20 +112,26 @@ impl Commands {
 
     /// The robot rests on its own from `time` on: it ramps down from what is in force, and what was sent to begin later
     /// never does. `sequence` is that of the request that says so.
-    pub fn interrupt(&mut self, sequence: u64, attribution: Attribution, drive: &Drive, time: f64) {
+    pub fn interrupt(
+        &mut self,
+        sequence: u64,
+        attribution: Attribution,
+        drive: &Drive,
+        time: RobotTime,
+    ) {
         let last = self.at(attribution, drive, time);
         for horizon in &mut self.sent.places {
-            horizon.start = least(horizon.start, time);
+            horizon.start = horizon.start.earlier(time);
         }
         self.begin(sequence, time, RAMP_STEP, RAMP_STEP).speeds.push(last);
     }
 
     /// Takes in the robot's report at time `reported` of what it plays.
-    pub fn report(&mut self, playing: Playing, reported: f64) {
+    pub fn report(&mut self, playing: Playing, reported: RobotTime) {
         match self.played.back_mut() {
             Some(last) if playing.since < last.playing.since => return,
             Some(last) if last.playing.horizon == playing.horizon => {
-                last.reported = last.reported.max(reported);
+                last.reported = last.reported.later(reported);
                 return;
             }
             _ => {}
@@ -137,8 +149,8 @@ impl Commands {
 
     /// Whether what was played from `from` to `to` is known: horizons remembered, no hole in the reports, and no
     /// jump between two plans that the robot had to spread within its acceleration limits.
-    pub fn is_known(&self, drive: &Drive, from: f64, to: f64) -> bool {
-        let played = |i: usize, time: f64| {
+    pub fn is_known(&self, drive: &Drive, from: RobotTime, to: RobotTime) -> bool {
+        let played = |i: usize, time: RobotTime| {
             let horizon = self.horizon(self.played[i].playing.horizon);
             let speeds = horizon.map_or(WheelSpeeds::ZERO, |horizon| horizon.at(time, drive));
             kinematics::forward(drive, speeds)
@@ -158,9 +170,11 @@ impl Commands {
         else {
             return false;
         };
-        let mut known_until = f64::NEG_INFINITY;
+        let mut known_until = RobotTime::BEFORE_ALL;
         for played in self.played.iter().skip(first) {
-            if known_until > f64::NEG_INFINITY && played.playing.since > known_until + 2.0 * SLOT {
+            if known_until > RobotTime::BEFORE_ALL
+                && played.playing.since > known_until + 2.0 * SLOT
+            {
                 return false;
             }
             known_until = played.reported;
@@ -180,7 +194,7 @@ impl Commands {
     }
 
     /// Whether what was played at `time` was reported within `hole` s of it.
-    pub fn is_covered(&self, time: f64, hole: f64) -> bool {
+    pub fn is_covered(&self, time: RobotTime, hole: f64) -> bool {
         let report = self.played.iter().rev().find(|played| played.playing.since <= time + SOON);
         report.is_some_and(|report| {
             time <= report.reported + hole && self.horizon(report.playing.horizon).is_some()
@@ -193,13 +207,13 @@ impl Commands {
     }
 
     /// How many horizons have begun at `time`, as sent.
-    fn sent_at(&self, time: f64) -> usize {
+    fn sent_at(&self, time: RobotTime) -> usize {
         let ahead = self.sent.newest_first().take_while(|horizon| horizon.start > time + SOON);
         self.sent.places.len() - ahead.count()
     }
 
     /// The same, quicker at times at which walks begin.
-    fn sent_near(&self, time: f64) -> usize {
+    fn sent_near(&self, time: RobotTime) -> usize {
         let has_begun =
             |at: usize| self.sent.get(at).is_some_and(|horizon| horizon.start <= time + SOON);
         let mut begun = self.sent.settled;
@@ -213,13 +227,13 @@ impl Commands {
     }
 
     /// The last pose was taken at `time`: walks will begin there.
-    pub fn settle(&mut self, time: f64) {
+    pub fn settle(&mut self, time: RobotTime) {
         self.sent.settled = self.sent_near(time);
     }
 
     /// The last of the first `begun` horizons, and when the next one takes its place.
-    fn sent_in_force(&self, begun: usize) -> (Option<&Horizon>, f64) {
-        let until = self.sent.get(begun).map_or(f64::INFINITY, |next| next.start);
+    fn sent_in_force(&self, begun: usize) -> (Option<&Horizon>, RobotTime) {
+        let until = self.sent.get(begun).map_or(RobotTime::NEVER, |next| next.start);
         (self.last_of(begun), until)
     }
 
@@ -229,14 +243,14 @@ impl Commands {
     }
 
     /// The horizon in force at `time`, and when another one takes its place.
-    fn in_force(&self, attribution: Attribution, time: f64) -> (Option<&Horizon>, f64) {
+    fn in_force(&self, attribution: Attribution, time: RobotTime) -> (Option<&Horizon>, RobotTime) {
         let soon = time + SOON;
         let sent = || self.sent_in_force(self.sent_at(time));
         if attribution == Attribution::Sent {
             return sent();
         }
         let Some(at) = self.played.iter().rposition(|played| played.playing.since <= soon) else {
-            let until = self.played.front().map_or(f64::INFINITY, |played| played.playing.since);
+            let until = self.played.front().map_or(RobotTime::NEVER, |played| played.playing.since);
             return if self.played.is_empty() { sent() } else { (None, until) };
         };
         let played = self.played[at];
@@ -255,7 +269,7 @@ impl Commands {
     }
 
     /// The wheel speeds in force at `time`.
-    pub fn at(&self, attribution: Attribution, drive: &Drive, time: f64) -> WheelSpeeds {
+    pub fn at(&self, attribution: Attribution, drive: &Drive, time: RobotTime) -> WheelSpeeds {
         let (horizon, _) = self.in_force(attribution, time);
         horizon.map_or(WheelSpeeds::ZERO, |horizon| horizon.at(time, drive))
     }
@@ -268,8 +282,8 @@ impl Commands {
         &self,
         attribution: Attribution,
         drive: &Drive,
-        from: f64,
-        to: f64,
+        from: RobotTime,
+        to: RobotTime,
         mut each: impl FnMut(WheelSpeeds, f64),
     ) {
         let mut time = from;
@@ -287,7 +301,7 @@ impl Commands {
                     begun += 1;
                     (in_force, next) = (next, self.sent.get(begun));
                 }
-                (in_force, next.map_or(f64::INFINITY, |next| next.start))
+                (in_force, next.map_or(RobotTime::NEVER, |next| next.start))
             } else {
                 self.in_force(attribution, time)
             };
@@ -297,9 +311,9 @@ impl Commands {
                     (horizon.speeds.first().copied().unwrap_or(WheelSpeeds::ZERO), until)
                 }
                 Some(horizon) => horizon.piece(time, drive),
-                None => (WheelSpeeds::ZERO, f64::INFINITY),
+                None => (WheelSpeeds::ZERO, RobotTime::NEVER),
             };
-            let next = least(least(until, change), to);
+            let next = until.earlier(change).earlier(to);
             each(speeds, next - time);
             time = next;
         }

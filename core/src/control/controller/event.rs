@@ -14,8 +14,8 @@ pub enum Event {
         /// Distance in m from where it was predicted.
         distance: f64,
     },
-    /// Several consistent poses in a row are believed again.
-    PosesBelievedAgain,
+    /// Several consistent poses in a row are accepted again.
+    PosesAcceptedAgain,
     /// The calibration is over; the task's time begins.
     CalibrationEnded,
     /// The robot was seen at rest at a waypoint.

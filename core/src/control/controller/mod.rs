@@ -19,12 +19,15 @@ use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
 use crate::geometry::{Point, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
-use crate::identification::estimate::Environment;
-use crate::identification::{Belief, ChannelBelief, Window};
+use crate::identification::estimate::Estimates;
+use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
 use crate::settings::Settings;
 use crate::task::{Limit, Progress, Stage, Task};
+use crate::time::RobotTime;
 use crate::watch::Watch;
-use compensation::{Compensation, Identified};
+use compensation::{
+    Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
+};
 pub use event::{Event, Events};
 use heard::{Change, Heard};
 pub use news::GROWTH;
@@ -35,8 +38,8 @@ pub use saved::Saved;
 /// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
 
-/// Consistent poses in a row that are believed again after one was set aside: a robot that was carried away.
-pub const BELIEVED_AGAIN: u32 = 5;
+/// Consistent poses in a row that are accepted again after one was set aside: a robot that was carried away.
+pub const ACCEPTED_AGAIN: u32 = 5;
 
 /// The answer to one request.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,21 +63,22 @@ struct Track {
 
 /// Poses that are set aside for now: the last one and how many in a row agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Doubt {
+struct RejectedPoses {
     last: Observation,
     count: u32,
 }
 
-/// The controller of one robot. Which decisions it takes otherwise than by what it has identified is its
-/// [compensation](Compensation)'s to say.
+/// The controller of one robot: that of the thesis and of the server, or one whose [`Compensation`] decides otherwise.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Controller<C = Identified> {
+pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     settings: Settings,
-    compensation: C,
+    compensation: Compensation<E, D, F>,
+    /// Whether the [watch](crate::watch) looks after the robot.
+    is_watched: bool,
     belief: Belief,
     commands: Commands,
     track: Option<Track>,
-    doubt: Option<Doubt>,
+    rejected: Option<RejectedPoses>,
     task: Option<Task>,
     phase: Phase,
     /// The phases of the plan in force, which is the newest horizon sent; empty where it holds no longer.
@@ -85,8 +89,8 @@ pub struct Controller<C = Identified> {
     /// What was believed while the robot was still seen to move as commanded: at least so long before the last look that
     /// found it so as a look looks back, and at that look or before.
     healthy: Option<[[ChannelBelief; 4]; 2]>,
-    /// Robot time in s of the newer one; none for those of the beginning.
-    healthy_at: Option<f64>,
+    /// When the newer one was; none for those of the beginning.
+    healthy_at: Option<RobotTime>,
     /// What limits the speed at the start of the newest horizon.
     limit: Option<Limit>,
     /// What the robot itself allows.
@@ -96,20 +100,22 @@ pub struct Controller<C = Identified> {
 impl Controller {
     /// A controller that has seen nothing yet.
     pub fn new(settings: Settings) -> Self {
-        Self::with(settings, Identified)
+        Self { is_watched: true, ..Self::with(settings, Compensation::STANDARD) }
     }
 }
 
-impl<C: Compensation> Controller<C> {
-    /// A controller that has seen nothing yet and decides by `compensation`.
-    pub fn with(settings: Settings, compensation: C) -> Self {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
+    /// A controller that has seen nothing yet and decides by `compensation`, without the [watch](crate::watch): methods are
+    /// compared as they were published.
+    pub fn with(settings: Settings, compensation: Compensation<E, D, F>) -> Self {
         Self {
             compensation,
+            is_watched: false,
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
             commands: Commands::default(),
             track: None,
-            doubt: None,
+            rejected: None,
             task: None,
             phase: Phase::Idle,
             phases: Phases::new(),
@@ -132,10 +138,20 @@ impl<C: Compensation> Controller<C> {
 
     /// [`Controller::step`] without copies of what is large: the horizon stays where it is remembered.
     pub fn answer(&mut self, request: &Request, events: &mut Events) -> &Horizon {
+        self.answer_observed(request, events, &mut ())
+    }
+
+    /// [`Controller::answer`], and `observer` sees what is learned.
+    pub fn answer_observed(
+        &mut self,
+        request: &Request,
+        events: &mut Events,
+        observer: &mut impl SampleObserver,
+    ) -> &Horizon {
         self.learn(request);
-        self.heed(request);
+        self.apply_local_limits(request);
         for observation in &request.observations {
-            self.observe(*observation, events);
+            self.observe(*observation, events, observer);
         }
         self.watch_age(request.sent, events);
         self.command(request)
@@ -146,7 +162,7 @@ impl<C: Compensation> Controller<C> {
     pub fn late(&mut self, request: &Request) -> Option<Horizon> {
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
-            self.compensation.learn(delivery);
+            self.compensation.delay.on_delivery(delivery);
         }
         self.newest().cloned()
     }
@@ -160,7 +176,7 @@ impl<C: Compensation> Controller<C> {
         self.belief.link.request(request.sequence, request.observations.last());
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
-            self.compensation.learn(delivery);
+            self.compensation.delay.on_delivery(delivery);
         }
         if let Some(playing) = request.playing {
             self.commands.report(playing, request.sent);
@@ -169,7 +185,7 @@ impl<C: Compensation> Controller<C> {
 
     /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn
     /// toward its waypoint; nothing is learned from what it did meanwhile ([`Heard::was_away`]).
-    fn heed(&mut self, request: &Request) {
+    fn apply_local_limits(&mut self, request: &Request) {
         let Settings { drive, attribution, .. } = self.settings;
         let change = self.heard.take(request, &drive);
         if change == Change::Rests {
@@ -179,7 +195,7 @@ impl<C: Compensation> Controller<C> {
             self.phase = self.phase.resumed();
             self.phases.clear();
         }
-        if self.heard.was_away(request.sent, f64::INFINITY) {
+        if self.heard.was_away(request.sent, RobotTime::NEVER) {
             self.pause_watch();
         }
     }
@@ -215,18 +231,18 @@ impl<C: Compensation> Controller<C> {
         self.task.is_some() && self.phase == Phase::Arrived
     }
 
-    /// The identified environment.
-    pub fn environment(&self) -> Environment {
-        self.belief.environment()
+    /// What was identified.
+    pub fn estimates(&self) -> Estimates {
+        self.belief.estimates(self.watch.kept().rejects())
     }
 
-    /// What is believed, for those who measure it.
+    /// The belief, for those who measure it.
     pub fn belief(&self) -> &Belief {
         &self.belief
     }
 
     /// What it decides by.
-    pub fn compensation(&self) -> &C {
+    pub fn compensation(&self) -> &Compensation<E, D, F> {
         &self.compensation
     }
 

@@ -69,12 +69,18 @@ mod tests {
     use crate::exchange::{Delivery, Request};
     use crate::settings::Settings;
     use crate::task::Task;
+    use crate::time::RobotTime;
 
     fn deliver(controller: &mut Controller, from: u64, to: u64) {
         for sequence in from..to {
             let delivery = Delivery { sequence, loop_delay: 0.1 };
             let deliveries = std::iter::once(delivery).collect();
-            controller.late(&Request { sequence, sent: 1.0, deliveries, ..Request::EMPTY });
+            controller.late(&Request {
+                sequence,
+                sent: RobotTime::new(1.0),
+                deliveries,
+                ..Request::EMPTY
+            });
         }
     }
 

@@ -1,26 +1,32 @@
-//! What a pose teaches: it is believed or set aside, closes windows of motion, and shows how far the task has got.
+//! What a pose teaches: it is accepted or set aside, closes windows of motion, and shows how far the task has got.
 
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::event::{Event, Events};
 use super::plan::{Phase, REST_SLOTS};
-use super::{BELIEVED_AGAIN, Controller, Doubt, Track};
+use super::{ACCEPTED_AGAIN, Controller, RejectedPoses, Track};
 use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
-use crate::identification::{Verdict, Window};
+use crate::identification::{SampleObserver, Verdict, Window};
 use crate::kinematics;
 use crate::settings::{Attribution, Settings};
+use crate::time::RobotTime;
 
 /// A gap between poses in s, beyond which a window of motion begins anew.
 const MAX_GAP: f64 = 0.5;
 
-/// Margin of a believable pose in m and rad, for what the known noise does not cover.
+/// Margin of an acceptable pose in m and rad, for what the known noise does not cover.
 const MARGIN: (f64, f64) = (0.005, 0.1);
 
-impl<C: Compensation> Controller<C> {
-    /// Takes in one pose: believes it or sets it aside, closes windows of motion, follows the task.
-    pub(super) fn observe(&mut self, observation: Observation, events: &mut Events) {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
+    /// Takes in one pose: accepts it or sets it aside, closes windows of motion, follows the task.
+    pub(super) fn observe(
+        &mut self,
+        observation: Observation,
+        events: &mut Events,
+        observer: &mut impl SampleObserver,
+    ) {
         let Some(track) = self.track else {
-            self.compensation.begin(observation);
+            self.compensation.estimator.reset(observation);
             self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
             return;
         };
@@ -33,39 +39,39 @@ impl<C: Compensation> Controller<C> {
         if !self.can_have_moved(predicted, observation.pose, span) {
             self.belief.poses_set_aside += 1;
             self.watch_set_aside(observation.taken, events);
-            let again = self.doubt.filter(|doubt| {
-                let span = observation.taken - doubt.last.taken;
-                self.can_have_moved(doubt.last.pose, observation.pose, span)
+            let again = self.rejected.filter(|rejected| {
+                let span = observation.taken - rejected.last.taken;
+                self.can_have_moved(rejected.last.pose, observation.pose, span)
             });
-            let count = again.map_or(1, |doubt| doubt.count + 1);
-            if count < BELIEVED_AGAIN {
-                self.doubt = Some(Doubt { last: observation, count });
+            let count = again.map_or(1, |rejected| rejected.count + 1);
+            if count < ACCEPTED_AGAIN {
+                self.rejected = Some(RejectedPoses { last: observation, count });
                 let distance = predicted.point().distance(observation.pose.point());
                 let _ = events.try_push(Event::PoseSetAside { observation, distance });
                 return;
             }
-            let _ = events.try_push(Event::PosesBelievedAgain);
+            let _ = events.try_push(Event::PosesAcceptedAgain);
             self.watch_anew();
-            self.compensation.begin(observation);
+            self.compensation.estimator.reset(observation);
             self.track =
                 Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
         } else {
-            let window = self.close(window, &track, &observation);
+            let window = self.close(window, &track, &observation, observer);
             let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
             let Observation { pose, taken } = observation;
-            let pose = self.compensation.believe(taken, pose, predicted, moved);
+            let pose = self.compensation.estimator.filter_pose(taken, pose, predicted, moved);
             self.track =
                 Some(Track { last: Observation { pose, taken }, wheels, window, interval });
             self.watch_step(track.last, observation, predicted, moved, events);
         }
-        self.doubt = None;
+        self.rejected = None;
         self.commands.settle(observation.taken - self.settings.drive.dead_time);
         self.follow_task(&observation, events);
     }
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
     /// displacement, and what the wheels do at its end.
-    fn nominal(&self, track: &Track, until: f64) -> (Window, Displacement, WheelSpeeds) {
+    fn nominal(&self, track: &Track, until: RobotTime) -> (Window, Displacement, WheelSpeeds) {
         let drive = &self.settings.drive;
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
@@ -78,7 +84,12 @@ impl<C: Compensation> Controller<C> {
     }
 
     /// The commands that act on the robot from `from` to `until`: dead time after they come into force.
-    pub(super) fn walk(&self, from: f64, until: f64, each: impl FnMut(WheelSpeeds, f64)) {
+    pub(super) fn walk(
+        &self,
+        from: RobotTime,
+        until: RobotTime,
+        each: impl FnMut(WheelSpeeds, f64),
+    ) {
         let Settings { drive, attribution, .. } = &self.settings;
         self.commands.walk(
             *attribution,
@@ -105,7 +116,13 @@ impl<C: Compensation> Controller<C> {
     }
 
     /// Closes the window with a pose where it is ripe; the window that goes on.
-    fn close(&mut self, window: Window, track: &Track, end: &Observation) -> Window {
+    fn close(
+        &mut self,
+        window: Window,
+        track: &Track,
+        end: &Observation,
+        observer: &mut impl SampleObserver,
+    ) -> Window {
         let Settings { drive, noise, attribution, .. } = self.settings;
         let start = window.start.taken;
         if self.heard.was_away(start, end.taken) {
@@ -126,7 +143,7 @@ impl<C: Compensation> Controller<C> {
             // A robot that rests for the watch teaches nothing on its way there.
             Verdict::Closed(_) if self.watch.rests() => {}
             Verdict::Closed(samples) => {
-                self.compensation.witness(&self.belief, &samples, start);
+                observer.on_samples(&self.belief, &samples, start);
                 self.belief.update(&samples, start, end.taken);
             }
         }
@@ -153,7 +170,7 @@ impl<C: Compensation> Controller<C> {
     }
 
     /// Whether zero was played for three slots before `time`, by the robot's reports where there are any.
-    fn was_at_rest(&self, time: f64) -> bool {
+    fn was_at_rest(&self, time: RobotTime) -> bool {
         let drive = &self.settings.drive;
         (0..REST_SLOTS).all(|slot| {
             let then = time - drive.dead_time - f64::from(slot) * self.settings.slot;

@@ -1,7 +1,7 @@
-//! What a controller is told beside requests: tasks, stop and resume, settings.
+//! What changes a controller beside requests: tasks, stop and resume, settings.
 
 use super::Controller;
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
@@ -10,7 +10,7 @@ use crate::local::LocalLimits;
 use crate::settings::Settings;
 use crate::task::Task;
 
-impl<C: Compensation> Controller<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
     pub fn set_task(&mut self, task: Task) {
         self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
@@ -42,12 +42,12 @@ impl<C: Compensation> Controller<C> {
         self.watch.resume();
     }
 
-    /// Whether the robot has been told to stop.
+    /// Whether the robot is stopped until it is resumed.
     pub fn is_stopped(&self) -> bool {
         self.stopped
     }
 
-    /// Whether the robot itself holds: it rests whatever it is told.
+    /// Whether the robot itself holds: it rests whatever is commanded.
     pub fn is_held(&self) -> bool {
         self.heard.is_held()
     }
@@ -62,7 +62,7 @@ impl<C: Compensation> Controller<C> {
         self.commands.clear();
         self.belief.link.restart_clock();
         self.track = None;
-        self.doubt = None;
+        self.rejected = None;
         self.phases.clear();
         self.phase = self.phase.resumed();
         self.record.restart_clock();
@@ -72,7 +72,7 @@ impl<C: Compensation> Controller<C> {
     }
 
     /// Back to the prior.
-    pub fn reset_environment(&mut self) {
+    pub fn reset_belief(&mut self) {
         self.belief.reset();
         self.watch.unlearn();
         self.healthy = None;

@@ -1,6 +1,6 @@
 //! The horizon that answers a request: from where the robot will be, by the plan.
 
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::plan::{self, REST_SLOTS, Start};
 use super::{Controller, Track};
 use crate::exchange::Request;
@@ -11,6 +11,7 @@ use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
 use crate::settings::{PredictorKind, Settings};
 use crate::task::Limit;
+use crate::time::RobotTime;
 
 /// A pose at most this old in s, beyond the loop delay, is fresh.
 const FRESH: f64 = 0.15;
@@ -21,25 +22,25 @@ const PAUSE: f64 = 1.0;
 /// Times that differ by less than this part of a slot are the same slot boundary.
 const SAME_SLOT: f64 = 1e-6;
 
-impl<C: Compensation> Controller<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Plans the horizon that answers `request`.
     pub(super) fn command(&mut self, request: &Request) -> &Horizon {
         let Settings { drive, slot, watchdog, attribution, .. } = self.settings;
         // The robot holds no longer, whatever it was described with: what was driven is to be known.
         let watchdog = least(watchdog, MAX_WATCHDOG);
-        let loop_delay = self.compensation.loop_delay(&self.settings);
-        let newest = self.commands.newest().map_or(f64::NEG_INFINITY, |newest| newest.start);
-        let soonest = (request.sent + slot).max(newest);
+        let loop_delay = self.compensation.delay.loop_delay(&self.settings);
+        let newest = self.commands.newest().map_or(RobotTime::BEFORE_ALL, |newest| newest.start);
+        let soonest = (request.sent + slot).later(newest);
         let Some(track) = self.track else {
             let horizon = self.commands.begin(request.sequence, soonest, slot, watchdog);
             horizon.speeds.push(WheelSpeeds::ZERO);
             return horizon;
         };
         let taken = track.last.taken;
-        let begins = soonest.max(taken + loop_delay);
+        let begins = soonest.later(taken + loop_delay);
         let since_change = self.enter_phase(newest, begins);
 
-        let model = self.compensation.model(&self.belief, track.last.pose);
+        let model = self.compensation.estimator.error_model(&self.belief, track.last.pose);
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
         let before = self.commands.at(attribution, &drive, begins - 1e-6);
         let age = request.sent - taken;
@@ -53,7 +54,7 @@ impl<C: Compensation> Controller<C> {
             stopped: self.stopped
                 || self.watch.rests()
                 || self.heard.is_held()
-                || begins - taken > self.compensation.patience(&self.settings),
+                || begins - taken > self.compensation.delay.max_pose_age(&self.settings),
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
@@ -61,8 +62,8 @@ impl<C: Compensation> Controller<C> {
         let task = self.task.as_ref();
         let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.settings });
         let settings = slowed.as_ref().unwrap_or(&self.settings);
-        let compensation = &self.compensation;
-        let rules = plan::Rules { settings, compensation, floors: self.watch.floors() };
+        let follower = &self.compensation.follower;
+        let rules = plan::Rules { settings, follower, floors: self.watch.floors() };
         let limit = plan::plan(rules, &model, task, start, prediction, speeds, phases);
         self.limit = if self.watch.rests() {
             Some(Limit::Watch)
@@ -76,7 +77,7 @@ impl<C: Compensation> Controller<C> {
 
     /// The phase at the start of the new horizon: what the old plan had come to by then. Returns the time in s since
     /// the old plan's last change of command.
-    fn enter_phase(&mut self, old_start: f64, start: f64) -> f64 {
+    fn enter_phase(&mut self, old_start: RobotTime, start: RobotTime) -> f64 {
         let slot = self.settings.slot;
         let phases = &self.phases;
         if phases.is_empty() {
@@ -107,7 +108,7 @@ impl<C: Compensation> Controller<C> {
         &self,
         track: &Track,
         model: &ErrorModel,
-        start: f64,
+        start: RobotTime,
         sequence: u64,
     ) -> (Prediction, WheelSpeeds) {
         let Settings { drive, noise, predictor, .. } = &self.settings;
@@ -132,7 +133,8 @@ impl<C: Compensation> Controller<C> {
             prediction.advance(model, motion);
         }
         let taken = track.last.taken;
-        let prediction = self.compensation.predict(&self.settings, taken, pose, start, prediction);
+        let estimator = &self.compensation.estimator;
+        let prediction = estimator.predict_pose(&self.settings, taken, pose, start, prediction);
         (prediction, wheels)
     }
 }

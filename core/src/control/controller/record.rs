@@ -6,6 +6,7 @@ use crate::exchange::Observation;
 use crate::geometry::Point;
 use crate::horizon::SLOT;
 use crate::task::{Progress, Stage, Task};
+use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
 
 /// The record of one task.
@@ -15,10 +16,10 @@ pub struct Record {
     reached: usize,
     /// Where the task began, once it did.
     origin: Option<Point>,
-    /// Robot time in s since when the task counts.
-    began: Option<f64>,
+    /// Since when the task counts.
+    began: Option<RobotTime>,
     /// When the plan in force left the waypoint that is to be reached next.
-    left: Option<f64>,
+    left: Option<RobotTime>,
     deviation: f64,
     max_deviation: f64,
     elapsed: f64,
@@ -58,8 +59,8 @@ impl Record {
         })
     }
 
-    /// The plan in force passes through `phase` at robot time `time`.
-    pub fn pass(&mut self, phase: Phase, time: f64) {
+    /// The plan in force passes through `phase` at `time`.
+    pub fn pass(&mut self, phase: Phase, time: RobotTime) {
         let Some(leg) = phase.leg() else { return };
         if self.began.is_none() {
             self.began = Some(time - self.elapsed);

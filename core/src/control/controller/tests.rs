@@ -10,11 +10,13 @@ use arrayvec::ArrayVec;
 use proptest::prelude::*;
 
 fn request(sequence: u64, sent: f64, poses: &[(f64, Pose)]) -> Request {
+    let observed =
+        |&(taken, pose): &(f64, Pose)| Observation { pose, taken: RobotTime::new(taken) };
     Request {
         sequence,
         connection: 0,
-        sent,
-        observations: poses.iter().map(|&(taken, pose)| Observation { pose, taken }).collect(),
+        sent: RobotTime::new(sent),
+        observations: poses.iter().map(observed).collect(),
         deliveries: ArrayVec::new(),
         playing: None,
         limits: LocalLimits::NONE,
@@ -25,7 +27,7 @@ fn to(x: f64, y: f64) -> Task {
     Task { waypoints: vec![Point::new(x, y)], calibration: None, ..Task::thesis() }
 }
 
-/// A robot that stands at the origin and is told to drive to `task`.
+/// A robot that stands at the origin and is to drive `task`.
 fn standing(settings: Settings, task: Task) -> Controller {
     let mut controller = Controller::new(settings);
     controller.set_task(task);
@@ -69,7 +71,7 @@ impl Ideal {
         self.horizons.push(output.horizon.clone());
         let drive = self.controller.settings.drive;
         for piece in 0..6 {
-            let at = now + self.period * (f64::from(piece) + 0.5) / 6.0;
+            let at = RobotTime::new(now + self.period * (f64::from(piece) + 0.5) / 6.0);
             let playing = self.horizons.iter().rev().find(|horizon| horizon.start <= at);
             let speeds = playing.map_or(WheelSpeeds::ZERO, |horizon| horizon.at(at, &drive));
             let twist = kinematics::forward(&drive, speeds);
@@ -95,15 +97,19 @@ fn before_the_first_pose_nothing_moves() {
 fn a_horizon_begins_a_loop_delay_after_its_pose_and_never_before_the_last_one() {
     let mut controller = standing(Settings::default(), to(1.0, 0.0));
     let first = controller.step(&request(1, 5.13, &[(5.0, Pose::default())])).horizon;
-    assert!((first.start - 5.23).abs() < 1e-12);
+    assert!((first.start.seconds() - 5.23).abs() < 1e-12);
     let stale = controller.step(&request(2, 5.14, &[])).horizon;
     assert!(stale.start >= first.start);
     let much_later = controller.step(&request(3, 6.0, &[])).horizon;
-    assert!(much_later.start >= 6.0, "no horizon begins in the past: {}", much_later.start);
+    assert!(
+        much_later.start >= RobotTime::new(6.0),
+        "no horizon begins in the past: {}",
+        much_later.start
+    );
 }
 
 #[test]
-fn a_robot_that_moves_as_told_arrives_and_every_waypoint_is_seen() {
+fn a_robot_that_moves_as_commanded_arrives_and_every_waypoint_is_seen() {
     let mut ideal = Ideal::new(standing(Settings::default(), Task::thesis()));
     let events = ideal.run(1200);
     let reached: Vec<usize> = events
@@ -122,8 +128,8 @@ fn a_robot_that_moves_as_told_arrives_and_every_waypoint_is_seen() {
     assert!((8.0..14.0).contains(&progress.elapsed), "{}", progress.elapsed);
 }
 
-/// The bug to fear: cameras do not run at one pose per slot, and a plan that begins within a slot of the old one must
-/// go on where that one had come to. Poses at 10 to 250 ms; the time may grow with the delay of the camera.
+/// Guards against: a plan that begins within a slot of the old one and does not go on where that one had come to. Cameras
+/// do not run at one pose per slot: poses at 10 to 250 ms; the time may grow with the delay of the camera.
 #[test]
 fn it_arrives_whatever_the_period_of_the_camera() {
     for period in [0.010, 0.020, 0.0299, 0.0301, 1.0 / 30.0, 0.040, 0.050, 0.1, 0.25] {
@@ -237,7 +243,7 @@ fn a_cancelled_task_ends_at_rest() {
 }
 
 #[test]
-fn one_wild_pose_is_set_aside_and_several_are_believed_again() {
+fn one_wild_pose_is_set_aside_and_several_are_accepted_again() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(60);
     let seen = ideal.slot;
@@ -250,11 +256,11 @@ fn one_wild_pose_is_set_aside_and_several_are_believed_again() {
     };
     assert_eq!(aside(&events), 1);
     assert!(ideal.controller.pose().expect("seen").pose.y.abs() < 0.01, "{before:?} {seen}");
-    // Carried away for good: believed after the fifth.
+    // Carried away for good: accepted after the fifth.
     let carried = |pose: Pose| Pose { y: pose.y + 2.0, ..pose };
     let events: Vec<Event> = (0..12).flat_map(|_| ideal.step(carried).events).collect();
-    assert_eq!(aside(&events), BELIEVED_AGAIN as usize - 1);
-    assert!(events.contains(&Event::PosesBelievedAgain));
+    assert_eq!(aside(&events), ACCEPTED_AGAIN as usize - 1);
+    assert!(events.contains(&Event::PosesAcceptedAgain));
     assert!(ideal.controller.pose().expect("seen").pose.y > 1.9);
 }
 
@@ -277,7 +283,7 @@ fn a_late_request_teaches_the_link_and_nothing_else() {
     let mut late = request(3, 0.1, &[(0.05, Pose::new(5.0, 5.0, 0.0))]);
     late.deliveries.push(Delivery { sequence: 2, loop_delay: 0.3 });
     assert_eq!(ideal.controller.late(&late), newest);
-    assert_eq!(ideal.controller.environment().link.samples, 1);
+    assert_eq!(ideal.controller.estimates().link.samples, 1);
     ideal.controller.belief.link = before.belief.link.clone();
     assert_eq!(ideal.controller, before);
 }
@@ -286,13 +292,13 @@ fn a_late_request_teaches_the_link_and_nothing_else() {
 fn a_new_epoch_keeps_the_task_and_what_was_learned() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(120);
-    let learned = ideal.controller.environment().channels;
+    let learned = ideal.controller.estimates().channels;
     let elapsed = ideal.controller.progress().elapsed;
     assert!(learned[0].samples > 5);
     ideal.controller.restart_clock();
     let mut again = Ideal { slot: 0, seen: Vec::new(), horizons: Vec::new(), ..ideal };
     again.run(3);
-    assert_eq!(again.controller.environment().channels, learned);
+    assert_eq!(again.controller.estimates().channels, learned);
     assert!(again.run(400).contains(&Event::Arrived));
     assert!(again.controller.progress().elapsed > elapsed + 1.0, "the time goes on");
 }
@@ -328,12 +334,12 @@ fn a_heading_well_off_is_turned_back_in_place() {
 fn new_settings_keep_what_was_learned_unless_the_method_changes() {
     let mut ideal = Ideal::new(standing(Settings::default(), to(1.0, 0.0)));
     ideal.run(120);
-    let learned = ideal.controller.environment().channels[0].samples;
+    let learned = ideal.controller.estimates().channels[0].samples;
     let settings = *ideal.controller.settings();
     ideal.controller.replace_settings(Settings { slots: 5, ..settings });
-    assert_eq!(ideal.controller.environment().channels[0].samples, learned);
+    assert_eq!(ideal.controller.estimates().channels[0].samples, learned);
     ideal.controller.replace_settings(Settings { method: Method::Statistic, ..settings });
-    assert_eq!(ideal.controller.environment().channels[0].samples, 0);
+    assert_eq!(ideal.controller.estimates().channels[0].samples, 0);
 }
 
 proptest! {

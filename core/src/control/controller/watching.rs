@@ -1,7 +1,7 @@
 //! How the controller uses the [watch](crate::watch): what it is shown, and what follows from what it finds.
 
 use super::Controller;
-use super::compensation::Compensation;
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::event::{Event, Events};
 use super::plan::Phase;
 use crate::commands::Commands;
@@ -12,6 +12,7 @@ use crate::identification::{Belief, Window};
 use crate::kinematics;
 use crate::settings::{Attribution, Settings};
 use crate::task::{Limit, Task};
+use crate::time::RobotTime;
 use crate::watch::{Alarm, Finding, Goal, Oddity, Situation, Step};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -39,7 +40,7 @@ const HOLE: f64 = 0.12;
 /// In so large a part of the time in which the robot is to move they have to be.
 const MOSTLY: f64 = 0.8;
 
-impl<C: Compensation> Controller<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// What the watch has found, with its numbers, and whether the robot rests for it.
     pub fn watch_state(&self) -> Option<(Alarm, bool)> {
         self.watch.state()
@@ -56,9 +57,9 @@ impl<C: Compensation> Controller<C> {
         self.task.is_some() && !self.stopped && !is_done
     }
 
-    /// How old the newest accepted pose is at robot time `now`.
-    pub(super) fn watch_age(&mut self, now: f64, events: &mut Events) {
-        if !self.compensation.is_watched() {
+    /// How old the newest accepted pose is `now`.
+    pub(super) fn watch_age(&mut self, now: RobotTime, events: &mut Events) {
+        if !self.is_watched {
             return;
         }
         let age = self.track.map(|track| now - track.last.taken);
@@ -71,9 +72,9 @@ impl<C: Compensation> Controller<C> {
         }
     }
 
-    /// A pose was set aside at robot time `taken`.
-    pub(super) fn watch_set_aside(&mut self, taken: f64, events: &mut Events) {
-        if self.compensation.is_watched() && self.wants_motion() && !self.watch.rests() {
+    /// A pose was set aside at `taken`.
+    pub(super) fn watch_set_aside(&mut self, taken: RobotTime, events: &mut Events) {
+        if self.is_watched && self.wants_motion() && !self.watch.rests() {
             let finding = self.watch.set_aside(taken);
             self.take_up(finding, events);
         }
@@ -96,7 +97,7 @@ impl<C: Compensation> Controller<C> {
         commanded: Displacement,
         events: &mut Events,
     ) {
-        if !self.compensation.is_watched() {
+        if !self.is_watched {
             return;
         }
         let (far, turned) = self.reach(to.taken - from.taken);
@@ -149,7 +150,7 @@ impl<C: Compensation> Controller<C> {
     /// The robot moves as commanded: what is believed now is worth coming back to, once it is known that it still did a
     /// look later.
     fn keep_healthy(&mut self) {
-        let now = self.track.map_or(0.0, |track| track.last.taken);
+        let now = self.track.map_or(RobotTime::ZERO, |track| track.last.taken);
         if let Some([older, newer]) = &mut self.healthy
             && self.healthy_at.is_none_or(|at| now - at >= LOOKED_BACK)
         {
@@ -188,7 +189,7 @@ impl<C: Compensation> Controller<C> {
 
 /// Whether the robot played from `from` to `until`, as far as it reports that, what the commands are counted by: replies that
 /// come late are no fault of the robot.
-fn was_played(commands: &Commands, settings: &Settings, from: f64, until: f64) -> bool {
+fn was_played(commands: &Commands, settings: &Settings, from: RobotTime, until: RobotTime) -> bool {
     let Settings { drive, slot, attribution, .. } = settings;
     let (from, until) = (from - drive.dead_time, until - drive.dead_time);
     if !commands.is_reported() {

@@ -1,5 +1,6 @@
-//! The identified environment as it is shown: per channel and for the link.
+//! A belief as it is shown: estimates per channel and for the link.
 
+use super::status::Status;
 use crate::settings::Method;
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +57,8 @@ pub struct ChannelEstimate {
     pub effective_samples: f64,
     /// Natural logarithm of the evidence of the samples under the prior; 0 without samples.
     pub ln_evidence: f64,
+    /// How far the estimate has got.
+    pub status: Status,
 }
 
 /// What is believed about the link.
@@ -76,11 +79,15 @@ pub struct LinkEstimate {
     /// Probability that a link with 5 % late packets would have shown none in as many samples (0.95^n).
     /// Until it is small, a good record says little.
     pub chance_of_luck: f64,
+    /// How far the estimate of the loop delay has got.
+    pub delay_status: Status,
+    /// How far the estimate of the probability of late packets has got.
+    pub late_status: Status,
 }
 
-/// The identified environment of one robot.
+/// What was identified of one robot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Environment {
+pub struct Estimates {
     /// How it was identified.
     pub method: Method,
     /// Per channel, in the order of [`Channel::ALL`].

@@ -1,4 +1,4 @@
-//! Observations and commands in flight become error samples, and these the posterior of the environment.
+//! Observations and commands in flight become error samples, and these a belief.
 //!
 //! Each slip channel has a normal with unknown mean and variance (thesis eq. 32-38, corrected), the link a
 //! normal on the logarithm of its loop delay and a Bernoulli for late packets.
@@ -8,19 +8,23 @@ pub mod estimate;
 pub mod fixed;
 mod link;
 mod prior;
+mod status;
 mod window;
 
 pub use channel::ChannelBelief;
 pub use link::LinkBelief;
 pub use prior::{BUILT_IN_PRIORS, about_built_in};
+pub use status::{LEAST_SAMPLES, Status, progress};
 pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};
 
+use super::condition::Condition;
 use crate::prediction::{ChannelModel, ErrorModel};
 use crate::settings::{Method, Prior};
-use estimate::{Channel, Environment};
+use crate::time::RobotTime;
+use estimate::{Channel, Estimates};
 use serde::{Deserialize, Serialize};
 
-/// What is believed of one robot's environment.
+/// What is believed of a robot's floor and link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
     method: Method,
@@ -32,6 +36,17 @@ pub struct Belief {
     pub windows_rejected: u64,
     /// Poses set aside because the robot cannot have moved there.
     pub poses_set_aside: u64,
+}
+
+/// Sees what a controller learns, as it learns it.
+pub trait SampleObserver {
+    /// A window of motion from `start` on gave `samples`, which `belief` has not taken in yet.
+    fn on_samples(&mut self, belief: &Belief, samples: &Samples, start: RobotTime);
+}
+
+/// Sees nothing.
+impl SampleObserver for () {
+    fn on_samples(&mut self, _: &Belief, _: &Samples, _: RobotTime) {}
 }
 
 impl Belief {
@@ -53,8 +68,8 @@ impl Belief {
         }
     }
 
-    /// Takes in the samples of a window from `start` to `end`, robot times in s.
-    pub fn update(&mut self, samples: &Samples, start: f64, end: f64) {
+    /// Takes in the samples of a window from `start` to `end`.
+    pub fn update(&mut self, samples: &Samples, start: RobotTime, end: RobotTime) {
         for (channel, sample) in self.channels.iter_mut().zip(samples) {
             if let Some(sample) = sample {
                 channel.update(sample, start, end);
@@ -72,7 +87,7 @@ impl Belief {
         self.channels
     }
 
-    /// Back to what was believed of every channel.
+    /// Back to an earlier belief of every channel.
     pub fn restore(&mut self, channels: [ChannelBelief; 4]) {
         self.channels = channels;
     }
@@ -105,7 +120,7 @@ impl Belief {
             Method::Statistic => {
                 belief.statistic().unwrap_or_else(|| fixed::channel(&fixed::FIXED_NORMAL, channel))
             }
-            Method::Bayesian => ChannelModel::believed(belief.posterior()),
+            Method::Bayesian => ChannelModel::from_posterior(belief.posterior()),
         }
     }
 
@@ -119,13 +134,31 @@ impl Belief {
         self.poses_set_aside = 0;
     }
 
-    /// As it is shown.
-    pub fn environment(&self) -> Environment {
+    /// How far the estimate of a channel has got, where the watch has samples set aside for `rejected`.
+    ///
+    /// With a prior, mean and variance both have to have got there ([`ChannelBelief::progress`]). Samples alone have no
+    /// prior: their variance has n - 1 degrees of freedom.
+    pub fn status(&self, channel: Channel, rejected: Option<Condition>) -> Status {
+        let belief = self.channel(channel);
+        let progress = match self.method {
+            Method::FixedNormal | Method::FixedBad => return Status::Unestimated,
+            Method::Statistic => progress(belief.samples() as f64 - 1.0, 0.0),
+            Method::Bayesian => belief.progress(),
+        };
+        match rejected {
+            Some(reason) => Status::Rejected { reason },
+            None => Status::of(progress),
+        }
+    }
+
+    /// As it is shown, where the watch has samples set aside for `rejected`.
+    pub fn estimates(&self, rejected: Option<Condition>) -> Estimates {
         let channels = Channel::ALL.map(|channel| {
             let used = self.drift || channel != Channel::Drift;
-            self.channel(channel).estimate(&self.channel_model(channel), used)
+            let status = self.status(channel, rejected);
+            self.channel(channel).estimate(&self.channel_model(channel), used, status)
         });
-        Environment {
+        Estimates {
             method: self.method,
             channels,
             link: self.link.estimate(),
@@ -150,7 +183,7 @@ mod tests {
     fn learned(method: Method, ratios: &[f64]) -> Belief {
         let mut belief = Belief::new(method, &Prior::default(), false);
         for (i, &ratio) in ratios.iter().enumerate() {
-            let at = i as f64;
+            let at = RobotTime::new(i as f64);
             belief.update(&[Some(sample(ratio)), None, None, None], at, at + 0.12);
         }
         belief
@@ -179,7 +212,11 @@ mod tests {
     #[test]
     fn a_rotation_leaves_the_forward_channel_at_its_prior() {
         let mut belief = Belief::new(Method::Bayesian, &Prior::default(), false);
-        belief.update(&[None, None, Some(sample(0.1)), None], 0.0, 0.12);
+        belief.update(
+            &[None, None, Some(sample(0.1)), None],
+            RobotTime::ZERO,
+            RobotTime::new(0.12),
+        );
         assert_eq!(belief.channel(Channel::Forward).posterior(), Prior::default().forward);
         assert_ne!(belief.channel(Channel::Turn).posterior(), Prior::default().turn);
     }
@@ -188,6 +225,63 @@ mod tests {
     fn no_belief_reverses_a_prediction() {
         let model = learned(Method::Bayesian, &[-3.0; 100]).model();
         assert_eq!(model.forward.mean, -0.7);
+    }
+
+    #[test]
+    fn a_fixed_model_is_not_estimated() {
+        for method in [Method::FixedNormal, Method::FixedBad] {
+            let belief = learned(method, &[0.5; 50]);
+            assert_eq!(belief.status(Channel::Forward, None), Status::Unestimated);
+            assert_eq!(
+                belief.status(Channel::Forward, Some(Condition::Stuck)),
+                Status::Unestimated
+            );
+        }
+    }
+
+    #[test]
+    fn samples_alone_are_an_estimate_from_four_degrees_of_freedom_on() {
+        let status = |n| {
+            learned(Method::Statistic, &[0.2, 0.3, 0.1, 0.2, 0.3][..n])
+                .status(Channel::Forward, None)
+        };
+        assert_eq!(status(0), Status::Estimating { fraction: 0.0 });
+        assert_eq!(status(3), Status::Estimating { fraction: 0.5 });
+        assert_eq!(status(5), Status::Estimated);
+    }
+
+    /// With samples free of noise the information is counted: each adds its weight to k and one to r.
+    #[test]
+    fn a_channel_is_estimated_once_its_samples_outweigh_the_prior() {
+        let strong = |k, r| {
+            let forward = crate::conjugate::NormalInverseChiSquared::new(0.0, k, r, 0.1);
+            Prior { forward: forward.expect("valid"), ..Prior::default() }
+        };
+        let status = |prior: &Prior, n: usize| {
+            let mut belief = Belief::new(Method::Bayesian, prior, false);
+            for i in 0..n {
+                let at = RobotTime::new(i as f64);
+                belief.update(&[Some(sample(0.1)), None, None, None], at, at + 0.12);
+            }
+            [Channel::Forward, Channel::Turn].map(|channel| belief.status(channel, None).fraction())
+        };
+        // Samples of weight 1.2: the variance is what takes longer, 10 samples of 20, and at last the mean, 36 of 30 x 1.2.
+        let [forward, turn] = status(&strong(1.0, 20.0), 10);
+        assert!((forward.expect("estimating") - 0.5).abs() < 1e-12);
+        assert_eq!(turn, Some(0.0), "no sample of a turn");
+        let [forward, _] = status(&strong(36.0, 1.0), 15);
+        assert!((forward.expect("estimating") - 0.5).abs() < 1e-12);
+        assert_eq!(status(&strong(36.0, 1.0), 31), [Some(1.0), Some(0.0)]);
+    }
+
+    #[test]
+    fn what_the_watch_sets_aside_is_rejected_with_its_reason() {
+        let belief = learned(Method::Bayesian, &[0.2; 50]);
+        let shown = belief.estimates(Some(Condition::Frozen));
+        for channel in shown.channels {
+            assert_eq!(channel.status, Status::Rejected { reason: Condition::Frozen });
+        }
+        assert_eq!(belief.estimates(None).channels[0].status, Status::Estimated);
     }
 
     #[test]

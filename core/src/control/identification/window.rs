@@ -157,11 +157,12 @@ fn steady(slowest: f64, fastest: f64, minimum: f64) -> bool {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
+    use crate::time::RobotTime;
 
     const NOISE: PoseNoise = PoseNoise { position: 0.0, heading: 0.0 };
 
     fn observed(pose: Pose, taken: f64) -> Observation {
-        Observation { pose, taken }
+        Observation { pose, taken: RobotTime::new(taken) }
     }
 
     /// A window of `slots` slots at `twist`, in a robot whose forward and turn ratios are off as given.

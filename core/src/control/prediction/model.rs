@@ -31,7 +31,7 @@ impl ChannelModel {
     }
 
     /// The moments of a posterior: E[sigma^2] = s/(r - 2) and E[sigma^2]/k; [`UNSURE`] where r <= 2.
-    pub fn believed(posterior: NormalInverseChiSquared) -> Self {
+    pub fn from_posterior(posterior: NormalInverseChiSquared) -> Self {
         let variance = posterior.expected_variance().unwrap_or(UNSURE).min(UNSURE);
         Self {
             mean: posterior.mu(),

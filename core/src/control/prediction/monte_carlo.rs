@@ -212,7 +212,7 @@ mod tests {
     fn with_a_posterior_they_agree_to_a_tenth_above_four_degrees_of_freedom() {
         let believed = |mu, k, r, sd: f64| {
             let posterior = NormalInverseChiSquared::new(mu, k, r, sd * sd * (r - 2.0));
-            ChannelModel::believed(posterior.expect("valid"))
+            ChannelModel::from_posterior(posterior.expect("valid"))
         };
         let model = ErrorModel {
             forward: believed(-0.1, 2.0, 8.0, 0.15),
@@ -227,7 +227,8 @@ mod tests {
     #[test]
     fn the_heading_variance_shares_the_mean() {
         let posterior = NormalInverseChiSquared::new(0.0, 2.0, 6.0, 0.04).expect("valid");
-        let model = ErrorModel { turn: ChannelModel::believed(posterior), ..ErrorModel::PERFECT };
+        let model =
+            ErrorModel { turn: ChannelModel::from_posterior(posterior), ..ErrorModel::PERFECT };
         let mut moments = Moments::new(Pose::default(), PoseNoise::default());
         let phi = 0.1;
         for _ in 0..20 {

@@ -95,7 +95,7 @@ mod tests {
         }
     }
 
-    /// The bug to fear: a robot that brakes for minutes unseen costs as many moves of all agents as its ramp has steps.
+    /// Guards against: a robot that brakes for minutes unseen costs as many moves of all agents as its ramp has steps.
     #[test]
     fn however_many_pieces_there_are_few_motions_come_of_them() {
         let most = MOST_APART as usize;
@@ -117,7 +117,7 @@ mod tests {
     }
 
     proptest! {
-        /// The bug to fear: a prediction that is another because its commands were gathered.
+        /// Guards against: a prediction that is another because its commands were gathered.
         #[test]
         fn gathered_or_apart_the_prediction_is_the_same(
             commands in proptest::collection::vec((-0.13..0.13f64, -1.25..1.25f64, 1usize..8), 1..4),

@@ -1,5 +1,7 @@
 //! Whether the robot gets nearer to where it is to go.
 
+use crate::time::RobotTime;
+
 /// Nearer by this part of the tolerance is nearer.
 const NEARER: f64 = 0.2;
 
@@ -28,14 +30,14 @@ pub struct Advance {
     leg: usize,
     distance: f64,
     heading: f64,
-    /// Robot time since when it is no better; none before the first pose.
-    since: Option<f64>,
+    /// Since when it is no better; none before the first pose.
+    since: Option<RobotTime>,
 }
 
 impl Advance {
-    /// Takes in where the robot is at robot time `now`; returns for how many s it has not got nearer. Turning toward the
+    /// Takes in where the robot is `now`; returns for how many s it has not got nearer. Turning toward the
     /// waypoint counts once: a robot that circles turns past it again and again.
-    pub fn push(&mut self, goal: Goal, noise: f64, now: f64) -> f64 {
+    pub fn push(&mut self, goal: Goal, noise: f64, now: RobotTime) -> f64 {
         let nearer = (NEARER * goal.tolerance).max(ABOVE_NOISE * noise);
         if self.since.is_none() || self.leg != goal.leg || goal.distance <= self.distance - nearer {
             let Goal { leg, distance, heading, .. } = goal;

@@ -55,7 +55,7 @@ pub enum Alarm {
     },
     /// See [`Condition::NoPoses`].
     NoPoses {
-        /// Age of the newest accepted pose in s when the robot was told to rest; none before the first pose.
+        /// Age of the newest accepted pose in s when the robot was commanded to rest; none before the first pose.
         age: Option<f64>,
     },
     /// See [`Condition::FrameMismatch`].

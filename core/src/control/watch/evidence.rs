@@ -3,11 +3,12 @@
 use crate::exchange::{Observation, PoseNoise};
 use crate::geometry::Displacement;
 use crate::kinematics::Drive;
+use crate::time::RobotTime;
 
 /// Shortest cell in s: three slots, so that one lost or late command is not all of it.
 pub const CELL: f64 = 0.1;
 
-/// Longest cell in s: a crawling robot with a noisy camera needs long ones to be told from one that stands.
+/// Longest cell in s: a crawling robot with a noisy camera needs long ones to be distinguished from one that stands.
 const LONGEST_CELL: f64 = 1.0;
 
 /// Cells remembered: more than two seconds of the shortest, 32 s of the longest.
@@ -59,7 +60,7 @@ pub struct Step {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Cell {
     kind: Kind,
-    until: f64,
+    until: RobotTime,
     span: f64,
     /// Whether the robot had moved this way for long enough that nothing of the motion before is in it.
     settled: bool,
@@ -79,7 +80,7 @@ struct Open {
     start: Observation,
     cell: Cell,
     /// When something was last commanded.
-    active: f64,
+    active: RobotTime,
 }
 
 /// Cells summed up, newest first.
@@ -102,7 +103,7 @@ pub struct Sums {
     /// How many cells.
     pub cells: u32,
     /// When the oldest cell began and the newest ended, in robot time.
-    pub times: (f64, f64),
+    pub times: (RobotTime, RobotTime),
 }
 
 /// The last cells.
@@ -113,7 +114,7 @@ pub struct Evidence {
     next: usize,
     open: Option<Open>,
     /// The kind and direction of the motion now, and since when.
-    stretch: Option<(Kind, f64, f64)>,
+    stretch: Option<(Kind, f64, RobotTime)>,
 }
 
 impl Evidence {

@@ -1,5 +1,7 @@
 //! Poses that jump there and back, or are set aside in number.
 
+use crate::time::RobotTime;
+
 /// Poses looked back on.
 const LOOKED_BACK: u32 = u32::BITS;
 
@@ -21,22 +23,22 @@ pub struct Jumps {
     jumped: u32,
     aside: u32,
     count: u32,
-    many_since: Option<f64>,
-    most_since: Option<f64>,
+    many_since: Option<RobotTime>,
+    most_since: Option<RobotTime>,
     /// Which way the last accepted pose jumped, if it did: ahead, aside, around.
     last: [i8; 3],
 }
 
 impl Jumps {
-    /// Takes in a pose that was set aside at robot time `taken`.
-    pub fn set_aside(&mut self, taken: f64) {
+    /// Takes in a pose that was set aside at `taken`.
+    pub fn set_aside(&mut self, taken: RobotTime) {
         self.push(true, true, taken);
     }
 
     /// Takes in an accepted pose that lies `off` by so many m ahead and aside and rad around from where it was expected,
     /// where `far` is what a robot can hardly have moved: m and rad. Only a jump back after one there counts: what goes on
     /// one way is the robot.
-    pub fn accept(&mut self, off: [f64; 3], far: (f64, f64), taken: f64) {
+    pub fn accept(&mut self, off: [f64; 3], far: (f64, f64), taken: RobotTime) {
         let way = |off: f64, far: f64| {
             if off > far {
                 1
@@ -52,23 +54,23 @@ impl Jumps {
         self.push(is_back, false, taken);
     }
 
-    fn push(&mut self, is_jump: bool, is_aside: bool, taken: f64) {
+    fn push(&mut self, is_jump: bool, is_aside: bool, taken: RobotTime) {
         self.jumped = self.jumped << 1 | u32::from(is_jump);
         self.aside = self.aside << 1 | u32::from(is_aside);
         self.count = (self.count + 1).min(LOOKED_BACK);
-        let since = |holds: bool, since: Option<f64>| holds.then(|| since.unwrap_or(taken));
+        let since = |holds: bool, since: Option<RobotTime>| holds.then(|| since.unwrap_or(taken));
         self.many_since = since(self.jumped.count_ones() >= MANY, self.many_since);
         self.most_since = since(self.aside.count_ones() >= MOST, self.most_since);
     }
 
     /// How many of how many, where poses jump.
-    pub fn many(&self, now: f64) -> Option<(u32, u32)> {
+    pub fn many(&self, now: RobotTime) -> Option<(u32, u32)> {
         let is_long = self.many_since.is_some_and(|since| now - since >= FOR);
         is_long.then(|| (self.jumped.count_ones(), self.count))
     }
 
     /// How many of how many, where next to all of them are set aside.
-    pub fn most(&self, now: f64) -> Option<(u32, u32)> {
+    pub fn most(&self, now: RobotTime) -> Option<(u32, u32)> {
         let is_long = self.most_since.is_some_and(|since| now - since >= BLIND_FOR);
         is_long.then(|| (self.aside.count_ones(), self.count))
     }

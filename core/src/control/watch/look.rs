@@ -12,6 +12,7 @@ use crate::control::condition::Condition;
 use crate::exchange::PoseNoise;
 use crate::geometry::Twist;
 use crate::settings::Settings;
+use crate::time::RobotTime;
 
 /// Time in s of commanded motion after which a robot that was not seen to move is stuck: what is left of 2 s to come to
 /// rest are the sensor's and the link's delay and the ramp.
@@ -43,9 +44,9 @@ const CREEPS: f64 = 0.35;
 /// Part of the commanded motion above which all is well.
 const HEALTHY: f64 = 0.5;
 
-/// Commanded motion in standard deviations of a pose that tells [`MOVED`] from half: 0.4 of it is seven standard
+/// Commanded motion in standard deviations of a pose that separates [`MOVED`] from half: 0.4 of it is seven standard
 /// deviations of a difference of two poses.
-pub(super) const TELLS_STUCK: f64 = 24.0;
+pub(super) const SHOWS_STUCK: f64 = 24.0;
 
 /// The same for motion against the command, which is as far again from what it should be.
 const TELLS_MISMATCH: f64 = 12.0;
@@ -95,8 +96,8 @@ const LOOKS_OFF_PATH: u32 = 2;
 /// What a look needs to know besides poses and commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
-    /// Robot time in s of the newest pose.
-    pub now: f64,
+    /// When the newest pose was taken.
+    pub now: RobotTime,
     /// Its heading in rad.
     pub heading: f64,
     /// Whether the variance rule slows the robot down.
@@ -117,7 +118,7 @@ impl Watch {
         settings: &Settings,
         kind: Kind,
         situation: &Situation,
-        played: impl Fn(f64, f64) -> bool,
+        played: impl Fn(RobotTime, RobotTime) -> bool,
     ) -> Finding {
         let noise = self.jitter.at_least(settings.noise);
         if kind == Kind::Turn && self.evidence.is_settled() {
@@ -141,18 +142,18 @@ impl Watch {
         }
     }
 
-    /// Whether the robot moves at all; none where it was told less than was sent: replies came late.
+    /// Whether the robot moves at all; none where it played less than was sent: replies came late.
     fn look_at_motion(
         &mut self,
         settings: &Settings,
         kind: Kind,
         noise: PoseNoise,
         situation: &Situation,
-        played: impl Fn(f64, f64) -> bool,
+        played: impl Fn(RobotTime, RobotTime) -> bool,
     ) -> Option<Finding> {
-        let tells = |time: f64| {
+        let shows = |time: f64| {
             move |sums: &Sums| {
-                let enough = sums.early >= TELLS_STUCK * sd(kind, noise);
+                let enough = sums.early >= SHOWS_STUCK * sd(kind, noise);
                 sums.span >= time && sums.early > 0.0 && enough
             }
         };
@@ -162,8 +163,8 @@ impl Watch {
             sums.covered - noise < ELSEWHERE * sums.early
         };
         let recent = self.evidence.is_settled();
-        let recent = recent.then(|| self.evidence.latest_settled(kind, tells(STUCK_TIME)));
-        let to_and_fro = self.evidence.latest(kind, tells(TO_AND_FRO_TIME)).filter(is_still);
+        let recent = recent.then(|| self.evidence.latest_settled(kind, shows(STUCK_TIME)));
+        let to_and_fro = self.evidence.latest(kind, shows(TO_AND_FRO_TIME)).filter(is_still);
         let mut finding = Finding::Nothing;
         for sums in recent.flatten().into_iter().chain(to_and_fro) {
             let (along, any) = shares(kind, settings, &sums, sums.early);
@@ -196,7 +197,7 @@ impl Watch {
         settings: &Settings,
         kind: Kind,
         sums: &Sums,
-        now: f64,
+        now: RobotTime,
         how: How,
     ) -> Finding {
         let full = full(settings);
@@ -221,7 +222,14 @@ impl Watch {
         self.raised(kind, sums.peak, fastest, now, how)
     }
 
-    fn raised(&mut self, kind: Kind, stood: f64, fastest: f64, now: f64, how: How) -> Finding {
+    fn raised(
+        &mut self,
+        kind: Kind,
+        stood: f64,
+        fastest: f64,
+        now: RobotTime,
+        how: How,
+    ) -> Finding {
         let least = self.raise.step(kind, now, stood, fastest, how);
         let alarm = Alarm::Raised { turning: kind == Kind::Turn, stood, least };
         self.remark = self.remark.filter(|it| it.condition() != Condition::Raised).or(Some(alarm));
@@ -230,7 +238,7 @@ impl Watch {
     }
 
     /// Equal poses, and the camera may have no noise: the robot may stand in a dead band.
-    pub(super) fn try_full(&mut self, settings: &Settings, now: f64) -> Finding {
+    pub(super) fn try_full(&mut self, settings: &Settings, now: RobotTime) -> Finding {
         let (full, (linear, angular)) = (full(settings), self.still.fastest);
         if linear > 0.0 {
             self.raised(Kind::Drive, linear, full.linear, now, How::AtOnce)
@@ -246,7 +254,7 @@ impl Watch {
         kind: Kind,
         noise: PoseNoise,
         heading: f64,
-    ) -> Option<(Alarm, (f64, f64))> {
+    ) -> Option<(Alarm, (RobotTime, RobotTime))> {
         let drive = &settings.drive;
         let half = drive.track_width / 2.0;
         let sums = self.evidence.latest_settled(kind, |sums| {

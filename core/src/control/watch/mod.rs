@@ -25,6 +25,7 @@ pub use fit::Fit;
 pub use look::Situation;
 pub use raise::{Floor, Floors, RAISED_FOR};
 
+use crate::time::RobotTime;
 use advance::Advance;
 use evidence::{Evidence, Jitter};
 use jumps::Jumps;
@@ -47,6 +48,11 @@ pub struct Kept {
 }
 
 impl Kept {
+    /// Why samples are set aside: what the robot is to rest for.
+    pub fn rejects(&self) -> Option<Condition> {
+        self.holding.map(|alarm| alarm.condition())
+    }
+
     /// Whether there is nothing to keep.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
@@ -74,8 +80,8 @@ pub struct Watch {
     interval: f64,
     /// Fastest speeds in m/s and rad/s at which the robot was seen to move as commanded, of late.
     top: [f64; 2],
-    /// Robot time of the first request, until a pose comes.
-    waiting: Option<f64>,
+    /// When the first request was sent, until a pose comes.
+    waiting: Option<RobotTime>,
 }
 
 impl Watch {
@@ -106,7 +112,7 @@ impl Watch {
         &self.raise.floors
     }
 
-    /// Goes on after an alarm: a robot told to resume, or given another task. Returns the alarm.
+    /// Goes on after an alarm: a robot that is resumed, or given another task. Returns the alarm.
     pub fn resume(&mut self) -> Option<Alarm> {
         if let Some(Alarm::OffPath { deviation, .. }) = self.holding {
             self.leave = Some(FARTHER * deviation);

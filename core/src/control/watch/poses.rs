@@ -4,11 +4,12 @@ use super::Watch;
 use super::alarm::Alarm;
 use super::evidence::{Kind, Step};
 use super::finding::Finding;
-use super::look::{TELLS_STUCK, fast};
+use super::look::{SHOWS_STUCK, fast};
 use super::still::{Still, Stillness};
 use crate::settings::Settings;
+use crate::time::RobotTime;
 
-/// A cell holds this part of the motion that tells something.
+/// A cell holds this part of the motion that says something.
 const CELL_SHARE: f64 = 1.0 / 12.0;
 
 /// Poses older than this many s, or than [`MISSED`] intervals, are no poses any more.
@@ -23,12 +24,12 @@ const LONGEST_GAP: f64 = 0.5;
 /// A pose's share in the interval between poses.
 const INTERVAL_SHARE: f64 = 0.2;
 
-/// Longest interval in s that is believed: what comes more rarely is missing.
+/// Longest interval in s that counts as one: what comes more rarely is missing.
 const LONGEST_INTERVAL: f64 = 2.0;
 
 impl Watch {
-    /// A pose was set aside at robot time `taken`.
-    pub fn set_aside(&mut self, taken: f64) -> Finding {
+    /// A pose was set aside at `taken`.
+    pub fn set_aside(&mut self, taken: RobotTime) -> Finding {
         self.jumps.set_aside(taken);
         match self.jumps.most(taken) {
             Some((jumps, of)) => self.hold(Alarm::Jumping { jumps, of }),
@@ -36,11 +37,11 @@ impl Watch {
         }
     }
 
-    /// The newest pose is `age` s old at robot time `now`, none where there was none; `wants` says whether a task wants
+    /// The newest pose is `age` s old `now`, none where there was none; `wants` says whether a task wants
     /// the robot to move. Returns what has begun, and what has ended.
     pub fn age(
         &mut self,
-        now: f64,
+        now: RobotTime,
         age: Option<f64>,
         wants: bool,
     ) -> (Option<Alarm>, Option<Alarm>) {
@@ -60,7 +61,7 @@ impl Watch {
     }
 
     /// Takes in an accepted pose. `far` is what a robot can hardly have moved beside its commands, in m and rad; `wants`
-    /// says whether a task wants it to move, `played` whether it played the commands between two robot times. Returns the
+    /// says whether a task wants it to move, `played` whether it played the commands between two instants. Returns the
     /// kind of motion to look at, and what equal poses say.
     pub fn accept(
         &mut self,
@@ -68,7 +69,7 @@ impl Watch {
         step: &Step,
         far: (f64, f64),
         wants: bool,
-        played: impl Fn(f64, f64) -> bool,
+        played: impl Fn(RobotTime, RobotTime) -> bool,
     ) -> (Option<Kind>, Finding) {
         let (span, interval) = (step.to.taken - step.from.taken, self.interval);
         self.interval += INTERVAL_SHARE * (span.min(LONGEST_INTERVAL) - self.interval);
@@ -91,7 +92,7 @@ impl Watch {
         let now = step.to.taken;
         match stillness {
             Stillness::Fine => {}
-            // It was told less than was sent: as after a silence, when the first replies come late.
+            // It played less than was sent: as after a silence, when the first replies come late.
             _ if !played(now - self.still.commanded, now) => self.still.clear(),
             Stillness::Try => return (None, self.try_full(settings, now)),
             Stillness::Frozen => {
@@ -100,7 +101,7 @@ impl Watch {
             }
         }
         let noise = self.jitter.at_least(settings.noise);
-        let least = [noise.position, noise.heading].map(|sd| CELL_SHARE * TELLS_STUCK * sd);
+        let least = [noise.position, noise.heading].map(|sd| CELL_SHARE * SHOWS_STUCK * sd);
         (self.evidence.push(drive, step, least), Finding::Nothing)
     }
 }

@@ -4,6 +4,7 @@
 use super::evidence::Kind;
 use crate::geometry::Twist;
 use crate::kinematics::Drive;
+use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
 
 /// Longest time in s for which speeds are raised before the robot counts as stuck.
@@ -81,8 +82,8 @@ impl Floors {
 pub struct Raise {
     /// The smallest speeds.
     pub floors: Floors,
-    /// Since when each of them is raised, in robot time; none where it is not.
-    since: [Option<f64>; 2],
+    /// Since when each of them is raised; none where it is not.
+    since: [Option<RobotTime>; 2],
     /// As they were before.
     before: Floors,
 }
@@ -95,7 +96,7 @@ impl Raise {
 
     /// Raises the speed of `kind` above `peak`, at which the robot stood (or, where `crept`, hardly moved), at most to
     /// `fastest`: by a step, or to the top `at_once`. Returns the new one.
-    pub fn step(&mut self, kind: Kind, now: f64, peak: f64, fastest: f64, how: How) -> f64 {
+    pub fn step(&mut self, kind: Kind, now: RobotTime, peak: f64, fastest: f64, how: How) -> f64 {
         if self.since == [None; 2] {
             self.before = self.floors;
         }
@@ -110,7 +111,7 @@ impl Raise {
     }
 
     /// Whether the speed of `kind` has been raised for too long.
-    pub fn is_over(&self, kind: Kind, now: f64) -> bool {
+    pub fn is_over(&self, kind: Kind, now: RobotTime) -> bool {
         self.since[kind as usize].is_some_and(|since| now - since > RAISED_FOR)
     }
 

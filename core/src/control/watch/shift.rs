@@ -8,7 +8,7 @@ const SHIFT_MEMORY: f64 = 12.0;
 /// How far the tracked point moves while the robot turns in place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shift {
-    /// Radians that it was told to turn.
+    /// Radians that it was commanded to turn.
     pub commanded: f64,
     /// Radians that it turned.
     pub turned: f64,

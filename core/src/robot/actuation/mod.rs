@@ -8,6 +8,7 @@ use crate::geometry::{Twist, WheelSpeeds};
 use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
 use crate::local::LocalLimits;
+use crate::time::RobotTime;
 use alloc::vec;
 use alloc::vec::Vec;
 use arrayvec::ArrayVec;
@@ -16,7 +17,7 @@ use arrayvec::ArrayVec;
 /// wait where pose and reply take no time at all.
 const HELD: usize = 16;
 
-/// Longest time in s that a horizon may wait for its start: the longest loop delay that a server can be told, and some
+/// Longest time in s that a horizon may wait for its start: the longest loop delay that a description may have, and some
 /// slots. What begins later was planned for nothing that the robot could know by then.
 const MAX_LEAD: f64 = 2.0 + 3.0 * SLOT;
 
@@ -41,8 +42,8 @@ pub enum Acceptance {
 pub struct Playing {
     /// Sequence of the horizon.
     pub horizon: u64,
-    /// Robot time in s since when.
-    pub since: f64,
+    /// Since when.
+    pub since: RobotTime,
 }
 
 /// The robot's player of horizons.
@@ -65,15 +66,15 @@ pub struct Actuation {
     applied: WheelSpeeds,
     /// Acceleration time in s that is not used up yet, at most one slot.
     credit: f64,
-    time: f64,
+    time: RobotTime,
     settled: bool,
     /// Until when nothing changes but the time; none where that has to be looked up.
-    unchanged_until: Option<f64>,
+    unchanged_until: Option<RobotTime>,
 }
 
 impl Actuation {
-    /// A robot at rest at robot time `time`.
-    pub fn new(drive: Drive, time: f64) -> Self {
+    /// A robot at rest at `time`.
+    pub fn new(drive: Drive, time: RobotTime) -> Self {
         Self {
             drive,
             limits: LocalLimits::NONE,
@@ -105,7 +106,7 @@ impl Actuation {
         }
         self.newest = Some(horizon.sequence);
         // What plays goes on until the new one begins.
-        self.unchanged_until = self.unchanged_until.map(|until| least(until, horizon.start));
+        self.unchanged_until = self.unchanged_until.map(|until| until.earlier(horizon.start));
         // A waiting horizon that would begin no earlier than this newer one is never played.
         while self.held.last().is_some_and(|&last| self.places[last].start >= horizon.start) {
             self.held.pop();
@@ -162,12 +163,12 @@ impl Actuation {
         self.newest = None;
     }
 
-    /// The wheel speeds to apply from robot time `now` on, until [`Actuation::next_change`].
+    /// The wheel speeds to apply from `now` on, until [`Actuation::next_change`].
     ///
     /// Times never go back; an earlier `now` counts as the last one.
-    pub fn advance(&mut self, now: f64) -> WheelSpeeds {
-        let now = most(self.time, now);
-        self.credit = least(SLOT, self.credit + now - self.time);
+    pub fn advance(&mut self, now: RobotTime) -> WheelSpeeds {
+        let now = self.time.later(now);
+        self.credit = least(SLOT, now + self.credit - self.time);
         self.time = now;
         if self.unchanged_until.is_some_and(|until| now < until - SAME_TIME) {
             return self.applied;
@@ -204,20 +205,20 @@ impl Actuation {
         self.drive.part_way(self.output, demand, share)
     }
 
-    /// The next robot time in s after the last `advance` at which the wheel speeds may change.
-    pub fn next_change(&self) -> f64 {
+    /// The next instant after the last `advance` at which the wheel speeds may change.
+    pub fn next_change(&self) -> RobotTime {
         self.unchanged_until.unwrap_or_else(|| self.change_after(self.time))
     }
 
-    fn change_after(&self, now: f64) -> f64 {
-        let mut next = f64::INFINITY;
+    fn change_after(&self, now: RobotTime) -> RobotTime {
+        let mut next = RobotTime::NEVER;
         if let Some(first) = self.horizon(0) {
             next = first.next_change(now, &self.drive);
         }
         if let Some(second) = self.horizon(1) {
-            next = least(next, second.start);
+            next = next.earlier(second.start);
         }
-        if self.settled { next } else { next.min(now + RAMP_STEP) }
+        if self.settled { next } else { next.earlier(now + RAMP_STEP) }
     }
 
     /// What is being played, since when; none before the first horizon begins.
@@ -232,7 +233,7 @@ impl Actuation {
 
     /// Whether the robot is at rest and nothing it holds will move it.
     pub fn is_at_rest(&self) -> bool {
-        self.output == Twist::ZERO && self.next_change().is_infinite()
+        self.output == Twist::ZERO && self.next_change().is_never()
     }
 }
 

@@ -6,16 +6,18 @@
 mod on_the_way;
 
 use crate::actuation::Actuation;
-use crate::controller::compensation::Compensation;
+use crate::controller::compensation::{DelayModel, PathFollower, PoseEstimator};
 use crate::controller::{Controller, Events};
 use crate::exchange::{Exchange, Observation, Request};
 use crate::geometry::elementary::{least, most};
 use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
+use crate::identification::SampleObserver;
 use crate::link::{Link, LinkError, LinkModel};
 use crate::plant::{Plant, PlantError, PlantModel, Slip};
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
+use crate::time::RobotTime;
 use on_the_way::{ON_THEIR_WAY, Packets, Queue};
 
 /// Default longest simulated time of an episode in s.
@@ -24,7 +26,7 @@ pub const TIME_LIMIT: f64 = 300.0;
 /// Everything that an episode is made of, but its seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// What the controller is told.
+    /// The controller's settings.
     pub settings: Settings,
     /// What the robot really is.
     pub plant: PlantModel,
@@ -135,15 +137,29 @@ impl Scenario {
     ///
     /// # Errors
     /// Where link or plant mean nothing.
-    pub fn drive<C: Compensation>(
+    pub fn drive<E: PoseEstimator, D: DelayModel, F: PathFollower>(
         &self,
-        controller: Controller<C>,
+        controller: Controller<E, D, F>,
         seed: u64,
-        mut show: impl FnMut(&TraceRow, &Controller<C>),
-    ) -> Result<(Outcome, Controller<C>), EpisodeError> {
+        show: impl FnMut(&TraceRow, &Controller<E, D, F>),
+    ) -> Result<(Outcome, Controller<E, D, F>), EpisodeError> {
+        self.drive_observed(controller, seed, show, &mut ())
+    }
+
+    /// [`Scenario::drive`], and `observer` sees what is learned.
+    ///
+    /// # Errors
+    /// Where link or plant mean nothing.
+    pub fn drive_observed<E: PoseEstimator, D: DelayModel, F: PathFollower>(
+        &self,
+        controller: Controller<E, D, F>,
+        seed: u64,
+        mut show: impl FnMut(&TraceRow, &Controller<E, D, F>),
+        observer: &mut impl SampleObserver,
+    ) -> Result<(Outcome, Controller<E, D, F>), EpisodeError> {
         let mut world = World::new(self, controller, seed)?;
         while world.now < self.time_limit && !world.server.controller.has_arrived() {
-            world.next();
+            world.next(observer);
             if world.moved == world.now {
                 show(&world.row(), &world.server.controller);
             }
@@ -159,8 +175,8 @@ impl Scenario {
     }
 }
 
-/// Robot, link and server of one episode, at one moment.
-struct World<'a, C> {
+/// Robot, link and server of one episode, at one moment. Simulated time is in s; the robot's clock reads the same.
+struct World<'a, E, D, F> {
     scenario: &'a Scenario,
     /// Whether the robot is in the region.
     is_inside: bool,
@@ -172,7 +188,7 @@ struct World<'a, C> {
     link: Link,
     exchange: Exchange,
     actuation: Actuation,
-    server: Server<C>,
+    server: Server<E, D, F>,
     applied: WheelSpeeds,
     /// Poses on their way from the camera.
     seen: Queue<Observation>,
@@ -182,8 +198,8 @@ struct World<'a, C> {
 }
 
 /// The server, and what it cannot know: how far from its path the robot really is.
-struct Server<C> {
-    controller: Controller<C>,
+struct Server<E, D, F> {
+    controller: Controller<E, D, F>,
     newest_request: u64,
     /// True positions that the controller has not seen yet: which leg they belong to is not known before.
     travelled: Queue<Point>,
@@ -191,10 +207,10 @@ struct Server<C> {
     max_deviation: f64,
 }
 
-impl<'a, C: Compensation> World<'a, C> {
+impl<'a, E: PoseEstimator, D: DelayModel, F: PathFollower> World<'a, E, D, F> {
     fn new(
         scenario: &'a Scenario,
-        mut controller: Controller<C>,
+        mut controller: Controller<E, D, F>,
         seed: u64,
     ) -> Result<Self, EpisodeError> {
         controller.set_task(scenario.task.clone());
@@ -209,8 +225,8 @@ impl<'a, C: Compensation> World<'a, C> {
             moved: 0.0,
             plant: Plant::new(scenario.plant, scenario.start, seed)?,
             link: Link::new(scenario.link.clone(), seed)?,
-            exchange: Exchange::new(0.0),
-            actuation: Actuation::new(controller.settings().drive, 0.0),
+            exchange: Exchange::new(RobotTime::ZERO),
+            actuation: Actuation::new(controller.settings().drive, RobotTime::ZERO),
             server: Server {
                 controller,
                 newest_request: 0,
@@ -242,23 +258,26 @@ impl<'a, C: Compensation> World<'a, C> {
     }
 
     /// Goes on to the next moment at which something happens, and lets it happen.
-    fn next(&mut self) {
+    fn next(&mut self, observer: &mut impl SampleObserver) {
         let frame = self.frames as f64 * SLOT;
         let packet = least(self.upward.arrivals.first, self.downward.arrivals.first);
-        let robot = least(self.actuation.next_change(), self.exchange.next_request(self.now));
+        let request = self.exchange.next_request(RobotTime::new(self.now));
+        let robot = self.actuation.next_change().earlier(request).seconds();
         let next = most(self.now, least(least(frame, self.seen.first), least(packet, robot)));
         self.now = next;
+        let now = RobotTime::new(next);
         if frame <= next {
             self.frames += 1;
             self.drive();
-            let observation = Observation { pose: self.plant.observe(), taken: frame };
+            let observation =
+                Observation { pose: self.plant.observe(), taken: RobotTime::new(frame) };
             self.seen.insert(self.link.sensor(frame), observation);
         }
         while let Some(observation) = self.seen.due(next) {
             self.exchange.observe(observation);
         }
         while let Some(request) = self.upward.due(next) {
-            if let Some(newest) = self.server.serve(request)
+            if let Some(newest) = self.server.serve(request, observer)
                 && let Some(arrival) = self.link.downlink(next)
             {
                 let horizon = self.downward.place();
@@ -268,16 +287,16 @@ impl<'a, C: Compensation> World<'a, C> {
             }
         }
         while let Some(horizon) = self.downward.due(next) {
-            self.exchange.reply(next, horizon.answers);
+            self.exchange.reply(now, horizon.answers);
             self.actuation.accept(horizon);
         }
-        let applied = self.actuation.advance(next);
+        let applied = self.actuation.advance(now);
         if applied != self.applied {
             self.drive();
             self.applied = applied;
         }
         let playing = self.actuation.playing();
-        if self.exchange.write_request(next, playing, self.upward.place())
+        if self.exchange.write_request(now, playing, self.upward.place())
             && let Some(arrival) = self.link.uplink(next)
         {
             self.upward.send(arrival);
@@ -308,13 +327,13 @@ impl<'a, C: Compensation> World<'a, C> {
     }
 }
 
-impl<C: Compensation> Server<C> {
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Server<E, D, F> {
     /// A step, or a late one that only teaches; either way the newest horizon is the answer.
-    fn serve(&mut self, request: &Request) -> Option<&Horizon> {
+    fn serve(&mut self, request: &Request, observer: &mut impl SampleObserver) -> Option<&Horizon> {
         if request.sequence > self.newest_request {
             self.newest_request = request.sequence;
             let leg = self.controller.leg();
-            self.controller.answer(request, &mut Events::new());
+            self.controller.answer_observed(request, &mut Events::new(), observer);
             self.measure(leg);
         } else {
             self.controller.late(request);
@@ -326,7 +345,7 @@ impl<C: Compensation> Server<C> {
     /// In a step that reaches a waypoint, positions on either side of it belong to the nearer of the two legs.
     fn measure(&mut self, before: Option<(Point, Point)>) {
         let after = self.controller.leg();
-        let seen = self.controller.pose().map_or(f64::NEG_INFINITY, |pose| pose.taken);
+        let seen = self.controller.pose().map_or(f64::NEG_INFINITY, |pose| pose.taken.seconds());
         while let Some(point) = self.travelled.due(seen) {
             let legs = before.into_iter().chain(after);
             let distance = legs.map(|(from, to)| point.distance_to_segment(from, to));

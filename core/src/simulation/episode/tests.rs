@@ -1,6 +1,6 @@
 use super::*;
 use crate::geometry::Twist;
-use crate::identification::estimate::{Channel, Environment};
+use crate::identification::estimate::{Channel, Estimates};
 use crate::kinematics;
 use crate::link::{LatePackets, Outage, PRESETS, Rtt};
 use crate::plant::Slip;
@@ -115,8 +115,8 @@ fn twenty_seconds_of_outage_in_the_middle_of_a_leg() {
 }
 
 /// The environment as identified at the end.
-fn identified(scenario: &Scenario, seed: u64) -> Environment {
-    scenario.run_with(seed, |_| {}).expect("valid").1.environment()
+fn identified(scenario: &Scenario, seed: u64) -> Estimates {
+    scenario.run_with(seed, |_| {}).expect("valid").1.estimates()
 }
 
 /// Measured against the commands as sent, a late packet is a control error; as played, it is not.

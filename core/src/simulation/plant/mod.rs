@@ -2,7 +2,7 @@
 //!
 //! Slip is a ratio error of the commanded motion, white in time. It is drawn per **cell** of 10 ms of the plant's own
 //! time and held within it, so the path does not depend on how a time span is cut into calls, and two plants of one
-//! seed meet the same floor in the same cell whatever they are told to do.
+//! seed meet the same floor in the same cell whatever is commanded.
 
 use crate::draws::{Draws, Stream};
 use crate::exchange::PoseNoise;

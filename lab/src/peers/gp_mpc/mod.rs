@@ -18,15 +18,16 @@ mod process;
 mod shooting;
 
 pub use process::{GaussianProcess, GpTuning};
-pub use shooting::MpcTuning;
+pub use shooting::{MpcTuning, ShootingMpc};
 
-use super::heedless;
-use umwelt_core::controller::compensation::{Compensation, Way};
+use super::without_identification;
+use umwelt_core::controller::compensation::{Compensation, NominalDelay, PoseEstimator};
 use umwelt_core::exchange::Observation;
-use umwelt_core::geometry::{Displacement, Pose, Twist};
+use umwelt_core::geometry::{Displacement, Pose};
 use umwelt_core::identification::Belief;
 use umwelt_core::prediction::{ErrorModel, Prediction};
 use umwelt_core::settings::{Attribution, PoseNoise, Settings};
+use umwelt_core::time::RobotTime;
 
 /// A gap between poses in s, beyond which the history begins anew: what was there before says nothing of now.
 const MAX_GAP: f64 = 0.5;
@@ -58,6 +59,25 @@ impl Default for GpMpcTuning {
     }
 }
 
+impl GpMpcTuning {
+    /// What it decides by, for the camera that `settings` describe.
+    pub fn compensation(
+        &self,
+        settings: &Settings,
+    ) -> Compensation<GpEstimator, NominalDelay, ShootingMpc> {
+        Compensation {
+            estimator: GpEstimator::new(*self, settings),
+            delay: NominalDelay,
+            follower: ShootingMpc { tuning: self.control },
+        }
+    }
+
+    /// The settings of its controller.
+    pub fn settings(&self, settings: &Settings) -> Settings {
+        Settings { attribution: self.attribution, ..without_identification(settings) }
+    }
+}
+
 /// A window of motion that is not long enough yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Open {
@@ -65,13 +85,14 @@ struct Open {
     /// By the commands, from the start to the last pose.
     commanded: Displacement,
     /// When the last pose was taken.
-    until: f64,
+    until: RobotTime,
 }
 
-/// The controller: what the model has missed lately, and how to drive.
+/// The estimator: what the model has missed lately is extrapolated over the delay.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GpMpc {
-    tuning: GpMpcTuning,
+pub struct GpEstimator {
+    /// Shortest window in s of which the motion is a sample.
+    shortest: f64,
     noise: PoseNoise,
     forward: GaussianProcess,
     lateral: GaussianProcess,
@@ -79,13 +100,13 @@ pub struct GpMpc {
     window: Option<Open>,
 }
 
-impl GpMpc {
-    /// A controller for the camera that it is told of, which has seen nothing.
-    pub fn new(tuning: GpMpcTuning, told: &Settings) -> Self {
-        let GpMpcTuning { position, heading, .. } = tuning;
+impl GpEstimator {
+    /// An estimator for the camera that `settings` describe, which has seen nothing.
+    pub fn new(tuning: GpMpcTuning, settings: &Settings) -> Self {
+        let GpMpcTuning { position, heading, window, .. } = tuning;
         Self {
-            tuning,
-            noise: told.noise,
+            shortest: window,
+            noise: settings.noise,
             forward: GaussianProcess::new(position),
             lateral: GaussianProcess::new(position),
             turn: GaussianProcess::new(heading),
@@ -93,19 +114,10 @@ impl GpMpc {
         }
     }
 
-    /// As it is compared.
-    pub fn tuned(told: &Settings) -> Self {
-        Self::new(GpMpcTuning::default(), told)
-    }
-
-    /// What its controller is told.
-    pub fn settings(&self, told: &Settings) -> Settings {
-        Settings { attribution: self.tuning.attribution, ..heedless(told) }
-    }
-
-    /// The motion that the model is expected to miss from `from` to `until` s, in the body frame: the expected rate,
+    /// The motion that the model is expected to miss from `from` to `until`, in the body frame: the expected rate,
     /// integrated by Simpson's rule.
-    fn missed(&self, from: f64, until: f64) -> Displacement {
+    fn missed(&self, from: RobotTime, until: RobotTime) -> Displacement {
+        let (from, until) = (from.seconds(), until.seconds());
         let (middle, span) = (f64::midpoint(from, until), until - from);
         let integral = |process: &GaussianProcess| {
             let [first, half, last] = [from, middle, until].map(|time| process.mean(time));
@@ -123,7 +135,7 @@ impl GpMpc {
         let span = end.taken - window.start.taken;
         let expected = window.start.pose.then(window.commanded);
         let residual = end.pose.relative_to(expected);
-        let time = f64::midpoint(window.start.taken, end.taken);
+        let time = f64::midpoint(window.start.taken.seconds(), end.taken.seconds());
         // Two poses, each with its noise.
         let noise = |sd: f64| (2.0_f64.sqrt() * sd / span).max(1e-6);
         let (position, heading) = (noise(self.noise.position), noise(self.noise.heading));
@@ -133,8 +145,8 @@ impl GpMpc {
     }
 }
 
-impl Compensation for GpMpc {
-    fn begin(&mut self, observation: Observation) {
+impl PoseEstimator for GpEstimator {
+    fn reset(&mut self, observation: Observation) {
         for process in [&mut self.forward, &mut self.lateral, &mut self.turn] {
             process.forget();
         }
@@ -142,14 +154,20 @@ impl Compensation for GpMpc {
         self.window = Some(Open { start, commanded: Displacement::default(), until });
     }
 
-    fn believe(&mut self, taken: f64, observed: Pose, _: Pose, moved: Displacement) -> Pose {
+    fn filter_pose(
+        &mut self,
+        taken: RobotTime,
+        observed: Pose,
+        _: Pose,
+        moved: Displacement,
+    ) -> Pose {
         let end = Observation { pose: observed, taken };
         let Some(window) = self.window.filter(|window| taken - window.until <= MAX_GAP) else {
-            self.begin(end);
+            self.reset(end);
             return observed;
         };
         let window = Open { commanded: window.commanded.then(moved), until: taken, ..window };
-        self.window = if taken - window.start.taken >= self.tuning.window {
+        self.window = if taken - window.start.taken >= self.shortest {
             self.sample(&window, &end);
             Some(Open { start: end, commanded: Displacement::default(), until: taken })
         } else {
@@ -158,25 +176,21 @@ impl Compensation for GpMpc {
         observed
     }
 
-    fn model(&self, _: &Belief, _: Pose) -> ErrorModel {
+    fn error_model(&self, _: &Belief, _: Pose) -> ErrorModel {
         ErrorModel::PERFECT
     }
 
-    fn predict(
+    fn predict_pose(
         &self,
         settings: &Settings,
-        taken: f64,
+        taken: RobotTime,
         _: Pose,
-        begins: f64,
+        begins: RobotTime,
         predicted: Prediction,
     ) -> Prediction {
         // How unsure the pose is does not matter: the variance rule is off.
         let pose = predicted.mean().then(self.missed(taken, begins));
         Prediction::moments(pose, settings.noise)
-    }
-
-    fn steer(&self, settings: &Settings, way: &Way) -> Option<Twist> {
-        Some(self.tuning.control.best(settings, way))
     }
 }
 
@@ -187,27 +201,27 @@ mod tests {
     /// A robot that slips by 3 % and drifts, seen by a perfect camera: both are found and reckoned with.
     #[test]
     fn what_the_model_misses_is_extrapolated_over_the_delay() {
-        let told = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
-        let mut peer = GpMpc::tuned(&told);
+        let settings = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
+        let mut peer = GpEstimator::new(GpMpcTuning::default(), &settings);
         let (speed, slip, turned) = (0.13, -0.004, 0.02);
         let slot = 0.03;
         let commanded = Displacement { forward: speed * slot, ..Displacement::default() };
         let real =
             Displacement { forward: (speed + slip) * slot, lateral: 0.0, turn: turned * slot };
         let mut pose = Pose::default();
-        peer.begin(Observation { pose, taken: 0.0 });
-        let mut taken = 0.0;
+        peer.reset(Observation { pose, taken: RobotTime::ZERO });
+        let mut taken = RobotTime::ZERO;
         for step in 1..60 {
-            taken = f64::from(step) * slot;
+            taken = RobotTime::new(f64::from(step) * slot);
             pose = pose.then(real);
-            peer.believe(taken, pose, pose, commanded);
+            peer.filter_pose(taken, pose, pose, commanded);
         }
         let missed = peer.missed(taken, taken + 0.2);
         assert!((missed.forward / 0.2 - slip).abs() < 0.3 * slip.abs(), "{missed:?}");
         assert!((missed.turn / 0.2 - turned).abs() < 0.3 * turned, "{missed:?}");
         assert!(missed.lateral.abs() < 0.001);
         // A silence later nothing is known any more.
-        peer.believe(taken + 5.0, pose, pose, Displacement::default());
+        peer.filter_pose(taken + 5.0, pose, pose, Displacement::default());
         assert_eq!(peer.missed(taken + 5.0, taken + 5.2), Displacement::default());
     }
 }

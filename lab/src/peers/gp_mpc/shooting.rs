@@ -1,12 +1,13 @@
 //! A short model predictive controller that shoots: turns in two pieces, tried out on the kinematic model.
 
 use crate::peers::line::Line;
-use umwelt_core::controller::compensation::Way;
+use umwelt_core::controller::compensation::{PathFollower, Way};
 use umwelt_core::geometry::elementary::{least, most, sin_cos};
 use umwelt_core::geometry::{Twist, length};
 use umwelt_core::kinematics::Drive;
 use umwelt_core::settings::Settings;
 use umwelt_core::steering;
+use umwelt_core::task::Limit;
 
 /// Steps of a shot.
 const STEPS: usize = 8;
@@ -51,6 +52,19 @@ impl Default for MpcTuning {
     }
 }
 
+/// The model predictive controller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShootingMpc {
+    /// Its constants.
+    pub tuning: MpcTuning,
+}
+
+impl PathFollower for ShootingMpc {
+    fn steer(&self, settings: &Settings, way: &Way) -> (Twist, Limit) {
+        (self.tuning.best(settings, way), Limit::Waypoint)
+    }
+}
+
 /// What is tried: a share of the fastest speed, and a turn in rad/s for each half of the shot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Shot {
@@ -60,7 +74,7 @@ struct Shot {
 
 impl MpcTuning {
     /// The twist to drive with now: the beginning of the cheapest shot, within every limit.
-    pub(super) fn best(&self, settings: &Settings, way: &Way) -> Twist {
+    fn best(&self, settings: &Settings, way: &Way) -> Twist {
         let shooting = Shooting::new(self, settings, way);
         let mut best = (f64::INFINITY, Shot { share: 1.0, turns: [0.0; 2] });
         let consider = |shot: Shot, best: &mut (f64, Shot)| {
@@ -93,7 +107,7 @@ impl MpcTuning {
                 consider(Shot { share, turns: [first, second * first] }, &mut best);
             }
         }
-        let wanted = shooting.wanted(best.1, 0, way.speed);
+        let wanted = shooting.wanted(best.1, 0, way.speed(settings));
         settings.drive.reach(way.previous, wanted, way.since_change)
     }
 }
@@ -126,7 +140,7 @@ impl<'a> Shooting<'a> {
         let speed = most(shot.share * fastest, self.drive.min_linear);
         let speed = if self.way.reverse { -speed } else { speed };
         let twist = Twist::new(speed, shot.turns[2 * step / STEPS]);
-        // Nearly always within the limits, which is told without a division.
+        // Nearly always within the limits, which is known without a division.
         let rim = twist.linear.abs() + self.drive.track_width / 2.0 * twist.angular.abs();
         let is_within = rim <= self.drive.wheel_radius * self.drive.max_wheel_speed
             && twist.linear.abs() <= self.drive.max_linear
@@ -187,10 +201,19 @@ mod tests {
     fn way(settings: &Settings, pose: Pose, previous: Twist, to: Point, reverse: bool) -> Way {
         let distance = pose.point().distance(to) - settings.steering.stop_radius / 2.0;
         let deceleration = settings.drive.max_linear_acceleration;
-        let speed = steering::stopping_speed(distance, deceleration, settings.slot)
-            .clamp(settings.drive.min_linear, settings.drive.max_linear);
+        let stoppable = steering::stopping_speed(distance, deceleration, settings.slot);
         let from = Some(Point::new(0.0, 0.0));
-        Way { pose, previous, from, to, reverse, speed, since_change: settings.slot }
+        Way {
+            pose,
+            previous,
+            from,
+            to,
+            reverse,
+            stoppable,
+            slowest: settings.drive.min_linear,
+            is_raised: false,
+            since_change: settings.slot,
+        }
     }
 
     proptest! {
@@ -209,7 +232,7 @@ mod tests {
                 let way = way(&settings, pose, twist, to, reverse);
                 let next = MpcTuning::default().best(&settings, &way);
                 prop_assert!(drive.limited(next).linear.abs() >= next.linear.abs() - 1e-12, "{next:?}");
-                prop_assert!(next.linear.abs() <= way.speed.max(twist.linear.abs()) + 1e-12);
+                prop_assert!(next.linear.abs() <= way.speed(&settings).max(twist.linear.abs()) + 1e-12);
                 prop_assert!(drive.change_time(twist, next) <= settings.slot + 1e-9);
                 prop_assert!(next.linear == 0.0 || (next.linear < 0.0) == reverse);
                 twist = next;

@@ -3,7 +3,7 @@
 /// States: delays of 0 to 0.69 s in slots of 30 ms. The last one stands for everything longer and for packets lost.
 const STATES: usize = 24;
 
-/// What each row of the transition matrix believes before any delivery, in deliveries.
+/// The prior of each row of the transition matrix before any delivery, in deliveries.
 const PRIOR: f64 = 1.0;
 
 /// The part of it that is spread over all states alike (Laplace); the rest is on the nominal delay.

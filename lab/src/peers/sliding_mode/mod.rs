@@ -21,22 +21,20 @@
 //!   0.36 s, and a packet late by 0.4 s is hardly late any more. Its price is a longer prediction. With 4 slots, the spread
 //!   of the ordinary delay, the median deviation over the bad link is some 17 mm instead of 10 mm.
 //! - Zero-order hold is one slot per packet with the watchdog that all have: their hold has no end, but a robot that drives
-//!   on for 12 s of silence is no method that anybody would use.
+//!   on for 12 s of silence is no method for use.
 
 mod chain;
 
 pub use chain::DelayChain;
 
-use super::heedless;
 use super::line::Line;
-use umwelt_core::controller::compensation::{Compensation, Way};
+use super::{AsCommanded, without_identification};
+use umwelt_core::controller::compensation::{Compensation, DelayModel, PathFollower, Way};
 use umwelt_core::exchange::Delivery;
+use umwelt_core::geometry::Twist;
 use umwelt_core::geometry::elementary::sin_cos;
-use umwelt_core::geometry::{Pose, Twist};
-use umwelt_core::identification::Belief;
-use umwelt_core::kinematics::Drive;
-use umwelt_core::prediction::ErrorModel;
 use umwelt_core::settings::{Attribution, Settings};
+use umwelt_core::task::Limit;
 
 /// Constants of chain and law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,59 +72,69 @@ impl Default for SlidingTuning {
 /// The part of the steepest approach that the shared controller allows before it stops to turn in place.
 const STEEPEST: f64 = 0.75;
 
-/// The controller: a chain that foresees the delay, and a law.
+/// The delay that a chain of delays foresees.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SlidingMode {
-    tuning: SlidingTuning,
+pub struct ForeseenDelay {
     chain: DelayChain,
+    /// Requests between the last delivery that is known of and the one that is answered.
+    ahead: usize,
+    /// Slots by which a command begins later than it is expected to arrive.
+    margin: f64,
 }
 
-impl SlidingMode {
-    /// A controller that knows the nominal delay and has seen nothing.
-    pub fn new(tuning: SlidingTuning, told: &Settings) -> Self {
-        Self { tuning, chain: DelayChain::new(told.slot, told.loop_delay) }
-    }
-
-    /// As it is compared.
-    pub fn tuned(told: &Settings) -> Self {
-        Self::new(SlidingTuning::default(), told)
-    }
-
-    /// What its controller is told.
-    pub fn settings(&self, told: &Settings) -> Settings {
-        Settings { attribution: self.tuning.attribution, ..heedless(told) }
-    }
-
+impl ForeseenDelay {
     /// The chain as it is learned.
     pub fn chain(&self) -> &DelayChain {
         &self.chain
     }
 }
 
-impl Compensation for SlidingMode {
-    fn learn(&mut self, delivery: &Delivery) {
+impl DelayModel for ForeseenDelay {
+    fn on_delivery(&mut self, delivery: &Delivery) {
         self.chain.learn(delivery.loop_delay);
     }
 
     fn loop_delay(&self, settings: &Settings) -> f64 {
-        self.chain.expected(self.tuning.ahead) + self.tuning.margin * settings.slot
+        self.chain.expected(self.ahead) + self.margin * settings.slot
     }
+}
 
-    fn model(&self, _: &Belief, _: Pose) -> ErrorModel {
-        ErrorModel::PERFECT
-    }
+/// The law: it slides onto the line of its leg and along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlidingMode {
+    tuning: SlidingTuning,
+}
 
-    fn steer(&self, settings: &Settings, way: &Way) -> Option<Twist> {
+impl PathFollower for SlidingMode {
+    fn steer(&self, settings: &Settings, way: &Way) -> (Twist, Limit) {
         let drive = &settings.drive;
         let along = Line::of(way);
         let steepest = STEEPEST * 2.0 * settings.steering.turn_tolerance;
-        let speed = reached(drive, way);
+        let speed = reached(settings, way);
         let angular = self.tuning.law(along.cross, along.heading, speed.abs(), steepest);
-        Some(drive.limited(Twist::new(speed, angular)))
+        (drive.limited(Twist::new(speed, angular)), Limit::Waypoint)
     }
 }
 
 impl SlidingTuning {
+    /// What it decides by; its chain knows the nominal delay and has seen nothing.
+    pub fn compensation(
+        &self,
+        settings: &Settings,
+    ) -> Compensation<AsCommanded, ForeseenDelay, SlidingMode> {
+        let chain = DelayChain::new(settings.slot, settings.loop_delay);
+        Compensation {
+            estimator: AsCommanded,
+            delay: ForeseenDelay { chain, ahead: self.ahead, margin: self.margin },
+            follower: SlidingMode { tuning: *self },
+        }
+    }
+
+    /// The settings of its controller.
+    pub fn settings(&self, settings: &Settings) -> Settings {
+        Settings { attribution: self.attribution, ..without_identification(settings) }
+    }
+
     /// Angular velocity in rad/s at `cross` m to the left of the line, turned from it by `heading` rad, at `speed` m/s.
     ///
     /// s = theta + sat(lambda e), s' = omega + lambda e' with e' = v sin theta, so
@@ -144,15 +152,16 @@ impl SlidingTuning {
 
 /// The signed speed in m/s that is reached in the next slot on the way to the speed that the way allows: a curve belongs to
 /// the speed at which it is driven.
-fn reached(drive: &Drive, way: &Way) -> f64 {
-    let speed = if way.reverse { -way.speed } else { way.speed };
-    drive.reach(way.previous, Twist::new(speed, 0.0), way.since_change).linear
+fn reached(settings: &Settings, way: &Way) -> f64 {
+    let speed = way.speed(settings);
+    let speed = if way.reverse { -speed } else { speed };
+    settings.drive.reach(way.previous, Twist::new(speed, 0.0), way.since_change).linear
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umwelt_core::geometry::Point;
+    use umwelt_core::geometry::{Point, Pose};
     use umwelt_core::kinematics::integrate;
 
     fn way(pose: Pose, previous: Twist, reverse: bool) -> Way {
@@ -163,7 +172,9 @@ mod tests {
             from: Some(Point::new(0.0, 0.0)),
             to,
             reverse,
-            speed: 0.13,
+            stoppable: 0.13,
+            slowest: 0.023,
+            is_raised: false,
             since_change: 0.03,
         }
     }
@@ -171,10 +182,10 @@ mod tests {
     /// Drives for 14 s from `start`; poses and commands.
     fn driven(start: Pose, reverse: bool) -> Vec<(Pose, Twist)> {
         let settings = Settings::default();
-        let peer = SlidingMode::tuned(&settings);
+        let peer = SlidingMode { tuning: SlidingTuning::default() };
         let (mut pose, mut twist, mut driven) = (start, Twist::ZERO, Vec::new());
         for _ in 0..466 {
-            let wanted = peer.steer(&settings, &way(pose, twist, reverse)).unwrap();
+            let (wanted, _) = peer.steer(&settings, &way(pose, twist, reverse));
             twist = settings.drive.reach(twist, wanted, settings.slot);
             pose = pose.then(integrate(twist, settings.slot));
             driven.push((pose, twist));

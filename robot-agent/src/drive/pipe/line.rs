@@ -7,6 +7,7 @@ use umwelt_client::api::task::COORDINATE;
 use umwelt_client::api::{Range, body};
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::Pose;
+use umwelt_core::time::RobotTime;
 
 /// Longest line in bytes; four numbers of 17 digits with their names have 150.
 pub(super) const MAX_LINE: usize = 1024;
@@ -168,7 +169,7 @@ impl Poses {
             return Err(LineError::NotNewer { taken, newest });
         }
         self.newest = taken;
-        Ok(Observation { pose: Pose::new(x, y, heading), taken })
+        Ok(Observation { pose: Pose::new(x, y, heading), taken: RobotTime::new(taken) })
     }
 }
 
@@ -220,12 +221,18 @@ mod tests {
     fn a_pose_is_read_with_its_stamp_or_stamped_on_arrival() {
         let mut poses = Poses::NEW;
         let stamped = r#" {"t_s": 9.9, "x_m": 1, "y_m": -2.5, "heading_rad": 7e0} "#;
-        let expected = Observation { pose: Pose::new(1.0, -2.5, 7.0), taken: 9.9 };
+        let expected = Observation { pose: Pose::new(1.0, -2.5, 7.0), taken: RobotTime::new(9.9) };
         assert_eq!(read(&mut poses, 10.0, stamped), Ok(expected));
         let unstamped = r#"{"x_m":1,"y_m":-2.5,"heading_rad":7}"#;
-        assert_eq!(read(&mut poses, 10.1, unstamped), Ok(Observation { taken: 10.1, ..expected }));
+        assert_eq!(
+            read(&mut poses, 10.1, unstamped),
+            Ok(Observation { taken: RobotTime::new(10.1), ..expected })
+        );
         let nearly = r#"{"t_s":10.205,"x_m":1,"y_m":-2.5,"heading_rad":7}"#;
-        assert_eq!(read(&mut poses, 10.2, nearly), Ok(Observation { taken: 10.2, ..expected }));
+        assert_eq!(
+            read(&mut poses, 10.2, nearly),
+            Ok(Observation { taken: RobotTime::new(10.2), ..expected })
+        );
     }
 
     #[test]
@@ -329,6 +336,7 @@ mod tests {
                 if let Some(Ok(Observation { pose, taken })) = poses.read(10.0, &line).pose {
                     prop_assert!(COORDINATE.contains(pose.x) && COORDINATE.contains(pose.y));
                     prop_assert!(pose.heading.radians().is_finite());
+                    let taken = taken.seconds();
                     prop_assert!((8.0..=10.0).contains(&taken) && taken > newest);
                     newest = taken;
                 }

@@ -159,7 +159,9 @@ impl Drive for Pipe {
             None => {}
             Some(Ok(observation)) => {
                 self.known = Some(observation);
-                if let Some((complaint, unsaid)) = self.arrivals.take(now, observation.taken) {
+                if let Some((complaint, unsaid)) =
+                    self.arrivals.take(now, observation.taken.seconds())
+                {
                     warn!(unsaid, "{complaint}");
                 }
             }

@@ -17,6 +17,7 @@ use umwelt_core::kinematics::{Drive as Wheels, forward, inverse};
 use umwelt_core::plant::{Plant, PlantModel};
 use umwelt_core::settings::Settings;
 use umwelt_core::task::{self, Task};
+use umwelt_core::time::RobotTime;
 
 /// A server that commands half a second of `linear` m/s, whatever it is told.
 fn always(linear: f64, watchdog: f64) -> Connect {
@@ -24,7 +25,7 @@ fn always(linear: f64, watchdog: f64) -> Connect {
     answering(move |request| Horizon {
         sequence: request.sequence,
         answers: request.sequence,
-        start: request.sent_s,
+        start: RobotTime::new(request.sent_s),
         slot: SLOT,
         watchdog,
         speeds: [speeds; 17].into_iter().collect(),
@@ -236,7 +237,7 @@ fn ordinary(request: &step::Request) -> Horizon {
     Horizon {
         sequence: request.sequence,
         answers: request.sequence,
-        start: request.sent_s,
+        start: RobotTime::new(request.sent_s),
         slot: SLOT,
         watchdog: 0.3,
         speeds: [inverse(&Wheels::default(), Twist::new(0.1, 0.0)); 17].into_iter().collect(),
@@ -268,8 +269,10 @@ async fn one_reply_drives_no_robot_for_long() {
 /// Neither a horizon of a far future nor one that nobody asked for moves the robot, now or later.
 #[tokio::test(start_paused = true)]
 async fn a_horizon_that_cannot_be_meant_moves_nothing() {
-    let far =
-        |request: &step::Request| Horizon { start: request.sent_s + 5.0, ..ordinary(request) };
+    let far = |request: &step::Request| Horizon {
+        start: RobotTime::new(request.sent_s + 5.0),
+        ..ordinary(request)
+    };
     let foreign = |request: &step::Request| Horizon { sequence: 1 << 53, ..ordinary(request) };
     for lines in [blind(answering(far), 12.0).await, blind(once(foreign), 12.0).await] {
         assert!(lines.len() > 300 && lines.iter().all(|(_, speeds)| *speeds == WheelSpeeds::ZERO));

@@ -11,7 +11,7 @@ pub(super) fn kind(event: &Event, progress: &Progress, clock: RobotClock) -> Kin
         Event::PoseSetAside { observation, .. } => {
             Kind::PoseSetAside(clock.observation(observation).into())
         }
-        Event::PosesBelievedAgain => Kind::PoseBelievedAgain,
+        Event::PosesAcceptedAgain => Kind::PoseBelievedAgain,
         Event::CalibrationEnded => Kind::CalibrationEnded,
         Event::WaypointReached { leg } => Kind::WaypointReached { leg },
         Event::Found { alarm, rests } => {

@@ -284,6 +284,7 @@ mod tests {
     use std::time::Duration;
     use umwelt_core::settings::Settings;
     use umwelt_core::task::Task;
+    use umwelt_core::time::RobotTime;
 
     impl Robot {
         /// Lets its task compute.
@@ -320,7 +321,7 @@ mod tests {
         Request {
             sequence: 1,
             connection: 0,
-            sent: 1.0,
+            sent: RobotTime::new(1.0),
             observations: Default::default(),
             deliveries: Default::default(),
             playing: None,

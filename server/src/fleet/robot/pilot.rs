@@ -272,7 +272,7 @@ impl Pilot {
             }
             // Before each event and after it, it looks.
             Command::Look => {}
-            Command::ResetEnvironment => self.controller.reset_environment(),
+            Command::ResetEnvironment => self.controller.reset_belief(),
             Command::Drain => {
                 self.draining = true;
                 if !self.controller.is_stopped() {
@@ -319,9 +319,9 @@ impl Pilot {
 
     /// What is identified now, made from the belief when somebody wants to see it.
     fn environment(&self) -> What {
-        let (described, belief) = (self.shown.described.clone(), self.controller.belief().clone());
+        let (described, saved) = (self.shown.described.clone(), self.controller.saved());
         What::Asked(Box::new(move || {
-            Kind::Environment(Box::new(described.environment(&belief.environment())))
+            Kind::Environment(Box::new(described.environment(&saved.estimates())))
         }))
     }
 }

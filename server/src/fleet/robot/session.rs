@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use umwelt_api::step::Reply;
 use umwelt_core::exchange::Request;
+use umwelt_core::time::RobotTime;
 
 /// Superseded epochs remembered: more restarts than an agent makes while a packet of its first run is on its way.
 pub(crate) const SUPERSEDED: usize = 16;
@@ -39,8 +40,8 @@ struct Current {
     epoch: u64,
     /// The highest sequence answered.
     sequence: u64,
-    /// The latest robot time in s of sending.
-    sent: f64,
+    /// When the latest of its requests was sent.
+    sent: RobotTime,
 }
 
 /// What is remembered of the exchange.
@@ -71,7 +72,8 @@ impl Session {
             return Ok(Verdict::Late);
         }
         if request.sent < current.sent - JUMP {
-            return Err(Refusal::ClockWentBack { sent: request.sent, newest: current.sent });
+            let (sent, newest) = (request.sent.seconds(), current.sent.seconds());
+            return Err(Refusal::ClockWentBack { sent, newest });
         }
         Ok(Verdict::Newest)
     }
@@ -81,7 +83,7 @@ impl Session {
         match &mut self.current {
             Some(current) if current.epoch == epoch => {
                 current.sequence = current.sequence.max(request.sequence);
-                current.sent = current.sent.max(request.sent);
+                current.sent = current.sent.later(request.sent);
             }
             current => {
                 if let Some(old) = current {
@@ -118,7 +120,7 @@ mod tests {
         Request {
             sequence,
             connection: 0,
-            sent,
+            sent: RobotTime::new(sent),
             observations: Default::default(),
             deliveries: Default::default(),
             playing: None,

@@ -40,7 +40,7 @@ impl Described {
     }
 
     /// What is identified, as the wire has it.
-    pub(super) fn environment(&self, estimate: &estimate::Environment) -> Environment {
+    pub(super) fn environment(&self, estimate: &estimate::Estimates) -> Environment {
         let name = self.prior.as_deref().and_then(|name| name.parse().ok());
         let (source, method) = (self.source.clone(), estimate.method.into());
         Environment::new(estimate, environment::Prior::of(name, source, method))
@@ -281,6 +281,6 @@ impl Snapshot {
 
     /// What is identified, as the wire has it.
     pub(crate) fn environment(&self) -> Environment {
-        self.described.environment(&self.saved.belief().environment())
+        self.described.environment(&self.saved.estimates())
     }
 }

@@ -1,13 +1,14 @@
 //! What the robot itself allows, as the controller hears of it, and for how long it went its own way.
 //!
-//! While it did, what it was told says nothing about how it moved: no window of motion that touches that time is used.
+//! While it did, its commands say nothing about how it moved: no window of motion that touches that time is used.
 
 use crate::exchange::Request;
 use crate::geometry::Twist;
 use crate::kinematics::Drive;
 use crate::local::LocalLimits;
+use crate::time::RobotTime;
 
-/// Time in s after which a robot that never reports what it plays counts as doing what it is told again.
+/// Time in s after which a robot that never reports what it plays counts as following its commands again.
 const REPORTED_BY: f64 = 2.0;
 
 /// What a request means for the plan.
@@ -15,22 +16,22 @@ const REPORTED_BY: f64 = 2.0;
 pub(super) enum Change {
     /// Nothing.
     None,
-    /// The robot rests on its own, and has forgotten what it was told.
+    /// The robot rests on its own, and has dropped its commands.
     Rests,
     /// It goes on from where it stands.
     GoesOn,
 }
 
-/// A stretch of robot time in which the robot did something else than it was told.
+/// A stretch of robot time in which the robot did something else than commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Away {
-    /// It did as told at this time in s, for the last time.
-    from: f64,
-    /// When the newest request that changed what it allows was sent, in s, and its sequence.
-    asked: f64,
+    /// It followed its commands then, for the last time.
+    from: RobotTime,
+    /// When the newest request that changed what it allows was sent, and its sequence.
+    asked: RobotTime,
     sequence: u64,
-    /// From this time in s on it does as told again; none as long as it plays no horizon that was planned for that.
-    until: Option<f64>,
+    /// From then on it follows its commands again; none as long as it plays no horizon that was planned for that.
+    until: Option<RobotTime>,
 }
 
 /// What was heard of the robot.
@@ -39,8 +40,8 @@ pub(super) struct Heard {
     limits: LocalLimits,
     /// Whether it is to rest, by its drive and what it allows.
     is_held: bool,
-    /// When the last request was sent, in s.
-    sent: Option<f64>,
+    /// When the last request was sent.
+    sent: Option<RobotTime>,
     /// Whether it played a horizon then.
     was_playing: bool,
     away: Option<Away>,
@@ -99,8 +100,8 @@ impl Heard {
         Some(Drive { max_linear: max, ..*drive })
     }
 
-    /// Whether the robot went its own way at any time from `from` s to `to` s.
-    pub(super) fn was_away(&self, from: f64, to: f64) -> bool {
+    /// Whether the robot went its own way at any time from `from` to `to`.
+    pub(super) fn was_away(&self, from: RobotTime, to: RobotTime) -> bool {
         self.away.is_some_and(|away| to > away.from && away.until.is_none_or(|until| from < until))
     }
 }

@@ -8,6 +8,7 @@ use crate::local::LocalLimits;
 use crate::plant::{Plant, PlantModel, Slip};
 use crate::settings::{Attribution, Method, Settings};
 use crate::task::{Stage, Task};
+use crate::time::RobotTime;
 use std::collections::VecDeque;
 
 /// Delays in s of the camera, and of the link each way.
@@ -45,8 +46,8 @@ impl Closed {
         let model = PlantModel { drive, slip: Slip::NONE, noise: PoseNoise::NONE };
         Self {
             controller,
-            exchange: Exchange::new(0.0),
-            actuation: Actuation::new(drive, 0.0),
+            exchange: Exchange::new(RobotTime::ZERO),
+            actuation: Actuation::new(drive, RobotTime::ZERO),
             plant: Plant::new(model, Pose::default(), 1).expect("a plant"),
             applied: WheelSpeeds::ZERO,
             tick: 0,
@@ -72,7 +73,8 @@ impl Closed {
         let now = self.now();
         self.plant.advance(self.applied, now - self.plant.time());
         if self.tick.is_multiple_of(3) {
-            let observation = Observation { pose: self.plant.observe(), taken: now };
+            let observation =
+                Observation { pose: self.plant.observe(), taken: RobotTime::new(now) };
             self.seen.push_back((now + SEEN_AFTER, observation));
         }
         while let Some(observation) = due(&mut self.seen, now) {
@@ -83,11 +85,12 @@ impl Closed {
             self.downward.push_back((now + CARRIED, horizon));
         }
         while let Some(horizon) = due(&mut self.downward, now) {
-            self.exchange.reply(now, horizon.answers);
+            self.exchange.reply(RobotTime::new(now), horizon.answers);
             self.actuation.accept(&horizon);
         }
-        self.applied = self.actuation.advance(now);
-        if let Some(request) = self.exchange.request(now, self.actuation.playing()) {
+        self.applied = self.actuation.advance(RobotTime::new(now));
+        if let Some(request) = self.exchange.request(RobotTime::new(now), self.actuation.playing())
+        {
             self.upward.push_back((now + CARRIED, request));
         }
         if self.is_cut {
@@ -118,12 +121,12 @@ impl Closed {
         assert_eq!(self.controller.progress().stage, Stage::Arrived, "{:?}", self.plant.pose());
     }
 
-    /// On a perfect floor every motion is as it was told: what is learned from anything else shows.
+    /// On a perfect floor every motion is as commanded: what is learned from anything else shows.
     fn assert_nothing_false_was_learned(&self, what: &str) {
-        for channel in self.controller.environment().channels {
+        for channel in self.controller.estimates().channels {
             assert!(channel.mean.abs() < 0.02, "{what}: {channel:?}");
         }
-        assert!(self.controller.environment().channels[0].samples > 10, "{what}");
+        assert!(self.controller.estimates().channels[0].samples > 10, "{what}");
     }
 }
 
@@ -140,10 +143,10 @@ fn a_robot_that_holds_rests_at_once_and_shows_it() {
         assert!(closed.controller.is_held());
         closed.run(stopping + SLOT - (1.5 * SLOT + CARRIED + RAMP_STEP), |_| false);
         assert_eq!(closed.twist(), Twist::ZERO);
-        let (pose, learned) = (closed.plant.pose(), closed.controller.environment().channels);
+        let (pose, learned) = (closed.plant.pose(), closed.controller.estimates().channels);
         closed.run(5.0, |it| it.twist() != Twist::ZERO);
         assert_eq!((closed.twist(), closed.plant.pose()), (Twist::ZERO, pose));
-        assert_eq!(closed.controller.environment().channels, learned);
+        assert_eq!(closed.controller.estimates().channels, learned);
         closed.restrain(LocalLimits::NONE);
         closed.run(0.5, |it| !it.controller.is_held());
         assert!(!closed.controller.is_held());

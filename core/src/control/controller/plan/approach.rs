@@ -1,6 +1,6 @@
 //! The way to a point: drive, turn, or be there.
 
-use super::super::compensation::{Compensation, Way};
+use super::super::compensation::{PathFollower, Way};
 use super::roll::Roll;
 use crate::geometry::{Point, Twist, length};
 use crate::steering;
@@ -20,7 +20,7 @@ pub(super) enum Approach {
     Go(Twist, Limit),
 }
 
-impl<C: Compensation> Roll<'_, C> {
+impl<F: PathFollower> Roll<'_, F> {
     /// The way to `target`, forward or in reverse, from the pose to which the robot coasts; `from` is where the leg
     /// begins.
     pub(super) fn approach(
@@ -55,31 +55,19 @@ impl<C: Compensation> Roll<'_, C> {
             drive.max_linear_acceleration,
             self.settings.slot,
         );
-        let (previous, since_change) = (self.state.previous, self.state.since_change);
-        let speed = stoppable.clamp(self.least.linear, drive.max_linear);
-        let way = Way { pose, previous, from, to: target, reverse, speed, since_change };
-        if let Some(twist) = self.compensation.steer(self.settings, &way) {
-            return Approach::Go(twist, Limit::Waypoint);
-        }
-        let wanted = steering::curve(ahead, aside, law.alpha);
-        let limited = drive.limited(wanted);
-        let speed = limited.linear.abs().min(stoppable).max(self.least.linear);
-        let limit = if speed > limited.linear.abs().min(stoppable) && !self.floors.is_none() {
-            Limit::Watch
-        } else if stoppable < limited.linear.abs() {
-            Limit::Waypoint
-        } else if limited.linear.abs() < wanted.linear.abs() {
-            Limit::Drive
-        } else {
-            Limit::Alpha
+        let way = Way {
+            pose,
+            previous: self.state.previous,
+            from,
+            to: target,
+            reverse,
+            stoppable,
+            slowest: self.least.linear,
+            is_raised: !self.floors.is_none(),
+            since_change: self.state.since_change,
         };
-        // The curve belongs to the speed that is really reached.
-        let forward = Twist::new(speed.copysign(wanted.linear), 0.0);
-        let reached = drive.reach(previous, forward, since_change).linear;
-        let bend = wanted.angular / wanted.linear;
-        let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
-        let limit = if reached.abs() < speed { Limit::Acceleration } else { limit };
-        Approach::Go(Twist::new(reached, angular), limit)
+        let (twist, limit) = self.follower.steer(self.settings, &way);
+        Approach::Go(twist, limit)
     }
 }
 

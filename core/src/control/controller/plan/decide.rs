@@ -1,12 +1,13 @@
 //! What each phase of a task wants of the robot, and when the next one begins.
 
-use super::super::compensation::Compensation;
+use super::super::compensation::PathFollower;
 use super::approach::{Approach, STRAY, heading_error};
 use super::phase::{Phase, REST_SLOTS};
 use super::roll::Roll;
 use crate::geometry::{Displacement, Pose, Twist, length};
 use crate::steering;
 use crate::task::{Limit, Task};
+use crate::time::RobotTime;
 use std::f64::consts::TAU;
 
 /// A turn smaller than this many rad is never worth making at the start of a leg: the curve takes it.
@@ -18,7 +19,7 @@ const KEEP_SIDE: f64 = 2.0;
 /// Times that differ by less than this many s are the same moment.
 const SAME_TIME: f64 = 1e-6;
 
-impl<C: Compensation> Roll<'_, C> {
+impl<F: PathFollower> Roll<'_, F> {
     /// The twist that the task wants now; the phase goes on.
     pub(super) fn decide(&mut self, task: &Task) -> Twist {
         // Each pass is a transition that costs no time; a task has a handful in a row at most.
@@ -42,11 +43,11 @@ impl<C: Compensation> Roll<'_, C> {
     }
 
     /// Whether `seconds` have passed since `since`.
-    fn has_passed(&self, since: f64, seconds: f64) -> bool {
+    fn has_passed(&self, since: RobotTime, seconds: f64) -> bool {
         self.state.time - since >= seconds - SAME_TIME
     }
 
-    fn rotate(&mut self, task: &Task, turn: u32, since: Option<f64>) -> Option<Twist> {
+    fn rotate(&mut self, task: &Task, turn: u32, since: Option<RobotTime>) -> Option<Twist> {
         let calibration = task.calibration.filter(|calibration| turn < calibration.rotations);
         let Some(calibration) = calibration else {
             let goes_straight = task.calibration.is_some_and(|it| it.straight > 0.0);
@@ -76,7 +77,7 @@ impl<C: Compensation> Roll<'_, C> {
         task: &Task,
         outbound: bool,
         origin: Pose,
-        since: Option<f64>,
+        since: Option<RobotTime>,
     ) -> Option<Twist> {
         let length = task.calibration.map_or(0.0, |calibration| calibration.straight);
         let ahead = Displacement { forward: length, ..Displacement::default() };
@@ -186,7 +187,7 @@ impl<C: Compensation> Roll<'_, C> {
         }
     }
 
-    fn rest(&mut self, task: &Task, leg: usize, since: Option<f64>) -> Option<Twist> {
+    fn rest(&mut self, task: &Task, leg: usize, since: Option<RobotTime>) -> Option<Twist> {
         if !self.rests() {
             self.state.phase = Phase::Stopping { leg, since: None };
             return Some(Twist::ZERO);

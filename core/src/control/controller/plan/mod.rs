@@ -8,7 +8,7 @@ mod roll;
 pub use phase::{Phase, Phases, REST_SLOTS};
 pub use roll::Start;
 
-use super::compensation::Compensation;
+use super::compensation::PathFollower;
 use crate::geometry::{Twist, WheelSpeeds};
 use crate::horizon::MAX_SLOTS;
 use crate::prediction::{ErrorModel, Prediction};
@@ -19,11 +19,11 @@ use arrayvec::ArrayVec;
 use roll::Roll;
 
 /// What a plan keeps to.
-pub struct Rules<'a, C> {
-    /// What the controller was told.
+pub struct Rules<'a, F> {
+    /// The settings.
     pub settings: &'a Settings,
-    /// How it drives.
-    pub compensation: &'a C,
+    /// How it drives to a point.
+    pub follower: &'a F,
     /// What was learned of the smallest speeds.
     pub floors: &'a Floors,
 }
@@ -31,8 +31,8 @@ pub struct Rules<'a, C> {
 /// Rolls the task forward from the pose predicted at the start: wheel speeds per slot into `speeds`, the phases that they
 /// lead through into `phases`.
 /// Both are large and stay in place: a plan is made in every slot. Returns what limits the speed in the first one.
-pub fn plan<C: Compensation>(
-    rules: Rules<C>,
+pub fn plan<F: PathFollower>(
+    rules: Rules<F>,
     model: &ErrorModel,
     task: Option<&Task>,
     start: Start,
@@ -43,11 +43,11 @@ pub fn plan<C: Compensation>(
     speeds.clear();
     phases.clear();
     let predictions = [prediction.clone(), prediction];
-    let Rules { settings, compensation, floors } = rules;
+    let Rules { settings, follower, floors } = rules;
     let least = floors.raised(&settings.drive);
     let mut roll = Roll {
         settings,
-        compensation,
+        follower,
         floors,
         least: Twist::new(least.min_linear, least.min_angular),
         model,

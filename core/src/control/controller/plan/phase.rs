@@ -3,6 +3,7 @@
 use crate::geometry::Pose;
 use crate::horizon::MAX_SLOTS;
 use crate::task::{Stage, Task};
+use crate::time::RobotTime;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
@@ -17,9 +18,9 @@ pub enum Phase {
     #[default]
     Idle,
     /// Rotating and stopping for the `turn`th time, since `since`.
-    Calibrating { turn: u32, since: Option<f64> },
+    Calibrating { turn: u32, since: Option<RobotTime> },
     /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
-    Straight { outbound: bool, origin: Pose, since: Option<f64> },
+    Straight { outbound: bool, origin: Pose, since: Option<RobotTime> },
     /// At rest before the first leg, until the robot has been seen at rest: what it does then is known for certain.
     Settling,
     /// Turning toward waypoint `leg`, to the left (+1), to the right (-1) or not yet decided (0).
@@ -27,7 +28,7 @@ pub enum Phase {
     /// Driving to waypoint `leg`.
     Driving { leg: usize },
     /// At waypoint `leg`, at rest since `since`.
-    Stopping { leg: usize, since: Option<f64> },
+    Stopping { leg: usize, since: Option<RobotTime> },
     /// At rest at the last waypoint, and seen there.
     Arrived,
 }

@@ -1,12 +1,13 @@
 //! The roll-out: slot after slot under the fastest command that the limits allow.
 
-use super::super::compensation::Compensation;
+use super::super::compensation::PathFollower;
 use super::phase::Phase;
 use crate::geometry::{Pose, Twist, WheelSpeeds};
 use crate::kinematics;
 use crate::prediction::{ErrorModel, Motion, Prediction};
 use crate::settings::Settings;
 use crate::task::{Limit, Task};
+use crate::time::RobotTime;
 use crate::watch::Floors;
 
 /// Parts of the speed by which the variance rule slows a command down (delta alpha of the thesis, section 4.1.4).
@@ -15,8 +16,8 @@ const SLOWER: u32 = 10;
 /// What a plan starts from.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Robot time in s at which the first slot begins.
-    pub time: f64,
+    /// When the first slot begins.
+    pub time: RobotTime,
     /// Time in s since the command in force began: what the first change has to keep the acceleration limit.
     pub since_change: f64,
     /// What the wheels really do then.
@@ -27,7 +28,7 @@ pub struct Start {
     pub phase: Phase,
     /// Whether the newest pose is fresh: without one an unsure robot does not even creep.
     pub fresh: bool,
-    /// Whether the robot has been told to stop.
+    /// Whether the robot is stopped until it is resumed.
     pub stopped: bool,
     /// Time in s at rest after which the robot leaves a waypoint: long enough to be seen there.
     pub rest: f64,
@@ -42,9 +43,9 @@ struct Slot {
 }
 
 /// A plan under way: everything as it is at the beginning of a slot.
-pub(super) struct Roll<'a, C> {
+pub(super) struct Roll<'a, F> {
     pub(super) settings: &'a Settings,
-    pub(super) compensation: &'a C,
+    pub(super) follower: &'a F,
     pub(super) floors: &'a Floors,
     /// The smallest speeds, as described or raised.
     pub(super) least: Twist,
@@ -58,7 +59,7 @@ pub(super) struct Roll<'a, C> {
     pub(super) limit: Option<Limit>,
 }
 
-impl<C: Compensation> Roll<'_, C> {
+impl<F: PathFollower> Roll<'_, F> {
     /// Decides one slot and goes on by it.
     pub(super) fn next(&mut self, slot: usize) -> WheelSpeeds {
         self.limit = None;

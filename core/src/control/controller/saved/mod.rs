@@ -4,6 +4,7 @@ use super::Controller;
 use super::plan::Phase;
 use super::record::Record;
 use crate::identification::Belief;
+use crate::identification::estimate::Estimates;
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
 use crate::watch::{Kept, Watch};
@@ -25,6 +26,11 @@ impl Saved {
     /// What is believed.
     pub fn belief(&self) -> &Belief {
         &self.belief
+    }
+
+    /// What was identified.
+    pub fn estimates(&self) -> Estimates {
+        self.belief.estimates(self.watch.rejects())
     }
 
     /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,

@@ -5,13 +5,14 @@ use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::kinematics;
 use crate::settings::{Method, Prior};
+use crate::time::RobotTime;
 
 /// Slots from a pose being taken to the request that carries it.
 const SENSOR: usize = 4;
 
 /// A robot that moves exactly as commanded, with a clock of its own.
 struct Robot {
-    clock: f64,
+    clock: RobotTime,
     sequence: u64,
     pose: Pose,
     seen: Vec<Observation>,
@@ -21,12 +22,12 @@ struct Robot {
 impl Robot {
     fn new() -> Self {
         let (pose, seen, horizons) = (Pose::default(), Vec::new(), Vec::new());
-        Self { clock: 0.0, sequence: 0, pose, seen, horizons }
+        Self { clock: RobotTime::ZERO, sequence: 0, pose, seen, horizons }
     }
 
     /// The same robot after it has come to rest and its clock has begun anew.
     fn restarted(self) -> Self {
-        Self { pose: self.pose, clock: 0.5, ..Self::new() }
+        Self { pose: self.pose, clock: RobotTime::new(0.5), ..Self::new() }
     }
 
     fn step(&mut self, controller: &mut Controller) -> Vec<Event> {
@@ -116,7 +117,7 @@ fn a_task_goes_on_from_its_leg_and_the_calibration_is_not_repeated() {
 #[test]
 fn a_calibration_goes_on_with_the_rotation_it_was_at() {
     let calibrated = |controller: &Controller| controller.progress().stage != Stage::Calibrating;
-    let turns = |robot: &Robot| robot.clock;
+    let turns = |robot: &Robot| robot.clock.seconds();
     let (mut robot, mut controller) = (Robot::new(), begun());
     robot.until(&mut controller, calibrated);
     let whole = turns(&robot);
@@ -127,7 +128,7 @@ fn a_calibration_goes_on_with_the_rotation_it_was_at() {
     }
     let mut controller = restarted(&controller);
     let mut robot = robot.restarted();
-    let from = robot.clock;
+    let from = robot.clock.seconds();
     robot.until(&mut controller, calibrated);
     let rest = turns(&robot) - from;
     // Once more the rotation that broke off, and waiting for the first pose.
@@ -139,12 +140,12 @@ fn what_was_learned_stays() {
     let (mut robot, mut controller) = (Robot::new(), begun());
     robot.until(&mut controller, |controller| controller.progress().stage == Stage::Driving);
     let restored = restarted(&controller);
-    assert_eq!(restored.environment(), controller.environment());
-    assert_ne!(restored.environment(), Controller::new(Settings::default()).environment());
+    assert_eq!(restored.estimates(), controller.estimates());
+    assert_ne!(restored.estimates(), Controller::new(Settings::default()).estimates());
     assert_eq!(restored.saved(), controller.saved());
 }
 
-/// The bug to fear: a time of the old clock, by which the new one is judged.
+/// Guards against: a time of the old clock, by which the new one is judged.
 #[test]
 fn nothing_of_the_robots_clock_is_saved() {
     let (mut robot, mut controller) = (Robot::new(), begun());
@@ -166,7 +167,7 @@ fn a_stopped_robot_stays_stopped() {
     assert_eq!(robot.pose, Pose::default());
 }
 
-/// The bug to fear: an index beyond a shorter task, or a belief that grew from another prior.
+/// Guards against: an index beyond a shorter task, or a belief that grew from another prior.
 #[test]
 fn what_was_saved_under_other_settings_or_another_task_is_not_taken_up() {
     let (mut robot, mut controller) = (Robot::new(), begun());

@@ -1,16 +1,18 @@
-//! One channel's belief: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
+//! The estimator of a stationary channel: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
 
-use super::estimate::{Channel, ChannelEstimate, LEVEL};
-use super::window::Sample;
+use super::super::estimate::{Channel, ChannelEstimate, LEVEL};
+use super::super::status::{Status, progress};
+use super::super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
+use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
 
 /// What is known of the pose noise at the end of the last window: it enters the next one with the other sign.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct SharedNoise {
-    /// Time in s at which the shared pose was taken.
-    taken: f64,
+    /// When the shared pose was taken.
+    taken: RobotTime,
     /// Expected noise of that pose along this channel.
     mean: f64,
     variance: f64,
@@ -56,9 +58,9 @@ impl Statistics {
     }
 }
 
-/// What is believed of one channel.
+/// What is believed of a channel whose ratio has one mean and one variance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChannelBelief {
+pub struct Stationary {
     channel: Channel,
     prior: NormalInverseChiSquared,
     posterior: NormalInverseChiSquared,
@@ -67,7 +69,7 @@ pub struct ChannelBelief {
     ln_evidence: f64,
 }
 
-impl ChannelBelief {
+impl Stationary {
     /// The belief before any sample.
     pub fn new(channel: Channel, prior: NormalInverseChiSquared) -> Self {
         Self {
@@ -80,14 +82,14 @@ impl ChannelBelief {
         }
     }
 
-    /// Takes in the sample of a window from `start` to `end`, both robot times in s.
+    /// Takes in the sample of a window from `start` to `end`.
     ///
     /// Consecutive windows share a pose, whose noise enters them with opposite signs (correlation -1/2). A Kalman filter
     /// carries what the last window says about that noise together with the mean ratio: with e the noise of the pose at
     /// the window's beginning, E\[e | mu\] = e^ + a (mu - mu^) for a = Cov(mu, e)/Var(mu), so a sample is an observation
     /// of h mu, h = 1 - a/l, under noise that has nothing to do with mu. Each sample so enters by its likelihood given
     /// the ones before, and over many windows the noise of the poses between them cancels.
-    pub fn update(&mut self, sample: &Sample, start: f64, end: f64) {
+    pub fn update(&mut self, sample: &Sample, start: RobotTime, end: RobotTime) {
         let Sample { motion, pose_variance, weight, .. } = *sample;
         let Corrected { innovation, response, noise, .. } = self.corrected(sample, start);
 
@@ -114,8 +116,8 @@ impl ChannelBelief {
         );
     }
 
-    /// What a sample from `start` s on says of the mean ratio.
-    fn corrected(&self, sample: &Sample, start: f64) -> Corrected {
+    /// What a sample from `start` on says of the mean ratio.
+    fn corrected(&self, sample: &Sample, start: RobotTime) -> Corrected {
         let Sample { motion, pose_variance, other_variance, .. } = *sample;
         let unknown =
             SharedNoise { taken: start, mean: 0.0, variance: pose_variance, covariance: 0.0 };
@@ -133,9 +135,9 @@ impl ChannelBelief {
         }
     }
 
-    /// Whether a sample from `start` s on, not yet taken in, lies within the interval that is to hold it with
+    /// Whether a sample from `start` on, not yet taken in, lies within the interval that is to hold it with
     /// probability [`LEVEL`] where predictions assume `model`.
-    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: f64) -> bool {
+    pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: RobotTime) -> bool {
         let corrected = self.corrected(sample, start);
         let Corrected { innovation, response, noise, whole_noise } = corrected;
         let half = match model.posterior {
@@ -150,11 +152,6 @@ impl ChannelBelief {
         (innovation + self.posterior.mu() - model.mean).abs() <= half
     }
 
-    /// Samples taken so far.
-    pub fn samples(&self) -> u64 {
-        self.statistics.samples.samples
-    }
-
     /// The samples alone, each corrected for what is known of the pose noise that it shares with the one before.
     pub fn sample_statistics(&self) -> SampleStatistics {
         self.statistics.samples
@@ -165,19 +162,22 @@ impl ChannelBelief {
         self.posterior
     }
 
-    /// Mean and variance of the samples alone, from two samples on.
-    pub fn statistic(&self) -> Option<ChannelModel> {
-        let samples = self.statistics.samples;
-        Some(ChannelModel::known(samples.mean, samples.variance()?))
-    }
-
     /// Back to the prior.
     pub fn reset(&mut self) {
         *self = Self::new(self.channel, self.prior);
     }
 
+    /// How far samples have brought it from its prior, from 0 to 1: the less of what they say of the mean, k - k_0 against
+    /// k_0, and of the variance, r - r_0 against r_0, since the prior counts itself in samples in the same way.
+    pub fn progress(&self) -> f64 {
+        let (prior, posterior) = (self.prior, self.posterior);
+        let of_mean = progress(posterior.k() - prior.k(), prior.k());
+        let of_variance = progress(posterior.r() - prior.r(), prior.r());
+        of_mean.min(of_variance)
+    }
+
     /// As it is shown, where predictions assume `model`.
-    pub fn estimate(&self, model: &ChannelModel, used: bool) -> ChannelEstimate {
+    pub fn estimate(&self, model: &ChannelModel, used: bool, status: Status) -> ChannelEstimate {
         let posterior = model.posterior;
         let intervals = posterior.map(|posterior| posterior.intervals(LEVEL));
         ChannelEstimate {
@@ -196,6 +196,7 @@ impl ChannelBelief {
             samples: self.statistics.samples.samples,
             effective_samples: self.statistics.effective(),
             ln_evidence: self.ln_evidence,
+            status,
         }
     }
 }
@@ -237,10 +238,10 @@ mod tests {
     }
 
     /// Feeds `windows` consecutive windows of `motion` m with ratio sd `sd` and pose noise `noise`.
-    fn learn(windows: u32, motion: f64, sd: f64, noise: f64, seed: u64) -> ChannelBelief {
+    fn learn(windows: u32, motion: f64, sd: f64, noise: f64, seed: u64) -> Stationary {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut normal = || random.sample::<f64, _>(StandardNormal);
-        let mut belief = ChannelBelief::new(Channel::Forward, prior());
+        let mut belief = Stationary::new(Channel::Forward, prior());
         let weight = 1.2_f64;
         let mut before = noise * normal();
         for i in 0..windows {
@@ -248,7 +249,8 @@ mod tests {
             let ratio = -0.1 + sd / weight.sqrt() * normal() + (after - before) / motion;
             let sample =
                 Sample { ratio, weight, motion, pose_variance: noise * noise, other_variance: 0.0 };
-            belief.update(&sample, f64::from(i) * 0.12, f64::from(i + 1) * 0.12);
+            let [start, end] = [i, i + 1].map(|i| RobotTime::new(f64::from(i) * 0.12));
+            belief.update(&sample, start, end);
             before = after;
         }
         belief
@@ -256,25 +258,26 @@ mod tests {
 
     #[test]
     fn without_noise_the_update_is_the_conjugate_one() {
-        let mut belief = ChannelBelief::new(Channel::Turn, prior());
+        let mut belief = Stationary::new(Channel::Turn, prior());
         let mut plain = prior();
         for (i, ratio) in [0.1, -0.05, 0.2].into_iter().enumerate() {
             let sample =
                 Sample { ratio, weight: 1.2, motion: 0.1, pose_variance: 0.0, other_variance: 0.0 };
-            belief.update(&sample, i as f64, i as f64 + 1.0);
+            let start = RobotTime::new(i as f64);
+            belief.update(&sample, start, start + 1.0);
             plain = plain.update_weighted(ratio, 1.2);
         }
         assert_eq!(belief.posterior(), plain);
     }
 
-    /// The bug to fear: pose noise read as slip. 0.5 mm over 3.9 mm of motion is 18 % per window; the floor's
+    /// Guards against pose noise read as slip. 0.5 mm over 3.9 mm of motion is 18 % per window; the floor's
     /// own error is 3 %.
     #[test]
     fn pose_noise_is_not_read_as_slip() {
         let belief = learn(2000, 0.0039, 0.03, 0.0005, 3);
         let sd = belief.posterior().expected_variance().expect("many samples").sqrt();
         assert!(sd < 0.08, "identified sd {sd}");
-        let naive = belief.statistic().expect("many samples").variance.sqrt();
+        let naive = belief.sample_statistics().variance().expect("many samples").sqrt();
         assert!(naive > 0.15, "the samples alone show {naive}");
         // Neighbouring windows share a pose: their noise cancels in the sum, the mean is known far better.
         assert!((belief.posterior().mu() + 0.1).abs() < 0.005, "{}", belief.posterior().mu());
