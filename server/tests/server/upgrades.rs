@@ -27,6 +27,22 @@ fn settled(page: &Value, list: &str) -> Vec<Value> {
     page[list].as_array().unwrap().iter().filter(|item| !goes_on(item)).cloned().collect()
 }
 
+/// What `now` has of the fields that were there `before`: answers only gain fields.
+fn without_additions(now: &Value, before: &Value) -> Value {
+    match (now, before) {
+        (Value::Object(now), Value::Object(before)) => {
+            let kept = now.iter().filter_map(|(name, value)| {
+                Some((name.clone(), without_additions(value, before.get(name)?)))
+            });
+            kept.collect()
+        }
+        (Value::Array(now), Value::Array(before)) if now.len() == before.len() => {
+            now.iter().zip(before).map(|(now, before)| without_additions(now, before)).collect()
+        }
+        _ => now.clone(),
+    }
+}
+
 #[tokio::test]
 async fn a_store_of_version_0_1_0_opens_with_everything_in_it() {
     let (directory, before) = version_0_1_0();
@@ -38,7 +54,9 @@ async fn a_store_of_version_0_1_0_opens_with_everything_in_it() {
         ("/v1/comparisons", "comparisons", 2),
     ] {
         let now = api.get(path).await.json();
-        assert_eq!(settled(&now, list), settled(&before[path], list), "{path}");
+        let expected = Value::from(settled(&before[path], list));
+        let found = without_additions(&settled(&now, list).into(), &expected);
+        assert_eq!(found, expected, "{path}");
         assert_eq!(now[list].as_array().unwrap().len(), count, "{path}");
         assert_eq!(now.get("unreadable"), None, "{path}");
         let specs = |page: &Value| -> Vec<Value> {
@@ -51,7 +69,8 @@ async fn a_store_of_version_0_1_0_opens_with_everything_in_it() {
         "/v1/evolutions/evolution-1/generations",
         "/v1/comparisons/comparison-1",
     ] {
-        assert_eq!(api.get(path).await.json(), before[path], "{path}");
+        let now = api.get(path).await.json();
+        assert_eq!(without_additions(&now, &before[path]), before[path], "{path}");
     }
     let robots = api.get("/v1/robots").await.json();
     for (robot, before) in robots["robots"]
