@@ -1,23 +1,13 @@
 //! What happens to a comparison, as server-sent events.
 //!
-//! The `id:` of an event is the number of trials that every contender has driven: [`JobEvent::id`]. It survives a restart
+//! The `id:` of an event is the number of trials that every contender has driven: [`JobEvent::id`](crate::job::JobEvent::id). It survives a restart
 //! of the server. Only the newest state counts: a stream says the state as it is now, whatever `Last-Event-ID`, then
 //! each change of it, and ends with the state in which the comparison ended.
 
-use super::{ComparisonKind, Progress, State};
-use crate::job::{JobEvent, JobNews};
+use super::{Progress, State};
+use crate::job::JobNews;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-
-/// Something that happened to a comparison.
-///
-/// ```
-/// use umwelt_api::comparison::{Event, Kind};
-/// let later = r#"{"id": 8, "comparison": "comparison-1", "type": "of-tomorrow", "much": 1}"#;
-/// assert_eq!(serde_json::from_str::<Event>(later)?.kind, Kind::Other);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub type Event = JobEvent<ComparisonKind>;
 
 /// What happened to a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -2,6 +2,7 @@
 
 mod claim;
 mod event;
+mod kind;
 mod progress;
 mod quantities;
 mod report;
@@ -11,15 +12,14 @@ mod spec;
 pub use crate::estimate::Estimate;
 pub use crate::job::{PageQuery, State};
 pub use claim::{Claim, Finding, FindingResult, FindingSubject};
-pub use event::{Event, Kind};
+pub use event::Kind;
+pub use kind::{Comparison, ComparisonKind, Event, Outcome, Page};
 pub use progress::{Progress, Stage};
 pub use quantities::{Quantities, Reductions};
 pub use report::{Difference, Entry, EnvironmentReport, Recognition, Report};
 pub use request::Request;
 pub use spec::{DEFAULT_PRIOR, KNOWN_METHODS, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
 
-use crate::id::ComparisonId;
-use crate::job::{Job, JobDescription, JobKind, JobPage};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -45,54 +45,6 @@ pub const TRIALS_COLUMNS: [&str; 9] = [
 
 /// The media type of the report for people.
 pub const REPORT_MEDIA_TYPE: &str = "text/markdown";
-
-/// Comparisons among the jobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ComparisonKind;
-
-/// A comparison as it is now.
-pub type Comparison = Job<ComparisonKind>;
-
-/// Some of the comparisons, the newest first, each without its report.
-pub type Page = JobPage<ComparisonKind>;
-
-/// What a comparison ends with.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Outcome {
-    /// What came of it; null until it has succeeded, and in lists: it may have a hundred kilobytes.
-    pub report: Option<Report>,
-}
-
-impl JobKind for ComparisonKind {
-    const NAME: &'static str = "comparison";
-    const LIST: &'static str = "comparisons";
-    const DESCRIPTION: JobDescription = JobDescription {
-        job: "Comparison",
-        page: "ComparisonPage",
-        event: "ComparisonEvent",
-        one: "a comparison",
-        listed: "The comparisons, each without its report.",
-        event_id: "Trials that every contender has driven: never decreasing, the same after a restart.",
-    };
-    type Id = ComparisonId;
-    type Request = Request;
-    type Spec = Spec;
-    type Progress = Progress;
-    type Outcome = Outcome;
-    type News = Kind;
-
-    fn id(number: u64) -> ComparisonId {
-        ComparisonId::numbered(number)
-    }
-
-    fn event_id(progress: &Progress) -> u64 {
-        progress.trials_done
-    }
-
-    fn episodes(progress: &Progress) -> (u64, u64) {
-        (progress.episodes, progress.total_episodes)
-    }
-}
 
 /// A figure of a comparison (thesis figures 8 to 11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]

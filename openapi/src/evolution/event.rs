@@ -1,25 +1,14 @@
 //! What happens to an evolution, as server-sent events.
 //!
-//! The `id:` of an event is the number of generations that have ended: [`JobEvent::id`]. It survives a restart of the
+//! The `id:` of an event is the number of generations that have ended: [`JobEvent::id`](crate::job::JobEvent::id). It survives a restart of the
 //! server. A stream begins with the generations behind `Last-Event-ID` (all of them without it: they are kept, so
 //! nothing is missed), then says the state as it is now and goes on with what happens. A state never counts a
 //! generation that the stream has not sent before. The stream ends with the state in which the evolution ended.
 
-use super::{EvolutionKind, Generation, Progress, State};
-use crate::id::EvolutionId;
-use crate::job::{JobEvent, JobNews};
+use super::{Generation, Progress, State};
+use crate::job::JobNews;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-
-/// Something that happened to an evolution.
-///
-/// ```
-/// use umwelt_api::evolution::{Event, Kind};
-/// let later = r#"{"id": 8, "evolution": "evolution-1", "type": "of-tomorrow", "much": 1}"#;
-/// assert_eq!(serde_json::from_str::<Event>(later)?.kind, Kind::Other);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub type Event = JobEvent<EvolutionKind>;
 
 /// What happened to an evolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -63,13 +52,5 @@ impl JobNews<Progress> for Kind {
             Self::State { .. } => "state",
             Self::Other => "other",
         }
-    }
-}
-
-impl Event {
-    /// The event that `generation` ended.
-    pub fn generation(evolution: EvolutionId, generation: Generation) -> Self {
-        let id = generation.index + 1;
-        Self { id, job: evolution, kind: Kind::Generation { generation: Box::new(generation) } }
     }
 }

@@ -1,7 +1,6 @@
-//! Lists of evolutions and of generations.
+//! Lists of generations.
 
-use super::{EvolutionKind, Generation};
-use crate::job::JobPage;
+use super::Generation;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -10,9 +9,6 @@ pub const MAX_GENERATIONS_SIZE: u64 = 1000;
 
 /// Generations of a page where nothing is said.
 pub const DEFAULT_GENERATIONS_SIZE: u64 = 1000;
-
-/// Some of the evolutions, the newest first.
-pub type Page = JobPage<EvolutionKind>;
 
 /// Some of the generations of an evolution, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]

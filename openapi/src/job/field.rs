@@ -1,6 +1,6 @@
 //! Fields whose name depends on the kind: each is an object of one field, flattened into the one around it.
 
-use super::{Job, JobKind};
+use super::kind::JobKind;
 use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserializer, Serialize, Serializer};
@@ -20,20 +20,20 @@ pub(super) fn read_id<'de, K: JobKind, D: Deserializer<'de>>(
     read(K::NAME, deserializer)
 }
 
-pub(super) fn write_list<K: JobKind, S: Serializer>(
-    jobs: &[Job<K>],
+pub(super) fn write_list<K: JobKind, T: Serialize, S: Serializer>(
+    jobs: &T,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     write(K::LIST, jobs, serializer)
 }
 
-pub(super) fn read_list<'de, K: JobKind, D: Deserializer<'de>>(
+pub(super) fn read_list<'de, K: JobKind, T: DeserializeOwned, D: Deserializer<'de>>(
     deserializer: D,
-) -> Result<Vec<Job<K>>, D::Error> {
+) -> Result<T, D::Error> {
     read(K::LIST, deserializer)
 }
 
-fn write<T: Serialize + ?Sized, S: Serializer>(
+fn write<T: Serialize, S: Serializer>(
     name: &'static str,
     value: &T,
     serializer: S,

@@ -36,8 +36,8 @@ pub struct JobPage<K: JobKind> {
     /// The jobs; on the wire in the field of the kind's plural.
     #[serde(
         flatten,
-        serialize_with = "write_list::<K, _>",
-        deserialize_with = "read_list::<K, _>"
+        serialize_with = "write_list::<K, _, _>",
+        deserialize_with = "read_list::<K, _, _>"
     )]
     pub jobs: Vec<Job<K>>,
     /// Those that cannot be read, in the same part of the list; left out where there are none.

@@ -199,8 +199,9 @@ fn may_be(stopped: bool, begin: bool, history: &[Said], robot: usize, after_cras
     let holds = |from: usize| !stops().any(|(at, said)| counts(said) && at >= from);
     let goes_on = |said: &Said| match said.outcome {
         Outcome::Done | Outcome::Open => true,
-        // Of all robots those that no stop has overtaken go on.
-        Outcome::Overtaken => said.of_all,
+        // Of all robots those that no stop has overtaken go on. A resume that a stop has overtaken may have been kept: where
+        // the stop was not, and said so, a crash lets the robot go on.
+        Outcome::Overtaken => said.of_all || after_crash,
         _ => false,
     };
     (!begin && holds(0)) || resumes().any(|(at, said)| goes_on(said) && holds(at))
