@@ -196,7 +196,7 @@ impl Check {
         self.limit(name, || Limit::EachOnce);
     }
 
-    /// What the text in field `name` stands for; a text that is no name, or one that nobody knows, is a problem.
+    /// What the text in field `name` stands for; a text that is no name, or one that no one knows, is a problem.
     pub fn known<T>(
         &mut self,
         name: &str,

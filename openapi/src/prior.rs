@@ -95,7 +95,7 @@ impl Spec {
 pub enum Source {
     /// It comes with the server.
     BuiltIn,
-    /// Somebody put it.
+    /// Someone put it.
     Put,
     /// An evolution found it.
     Evolution {
@@ -126,7 +126,7 @@ pub struct Prior {
     pub turn: robot::ChannelPrior,
     /// Heading error in rad per metre commanded; used where `drift` is on.
     pub drift: robot::ChannelPrior,
-    /// What people should know about it; null where nobody said anything.
+    /// What people should know about it; null where no one said anything.
     pub note: Option<String>,
     /// Where it comes from.
     pub source: Source,

@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// The bug to fear: the secret in a log, by way of a `Debug` of what holds it.
+    /// Guards against: the secret in a log, by way of a `Debug` of what holds it.
     #[test]
     fn nothing_shows_it() {
         let token: Token = SECRET.parse().unwrap();

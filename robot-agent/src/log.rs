@@ -43,7 +43,7 @@ impl Log {
         Ok(Self { lines, lost })
     }
 
-    /// Lets the last lines out, for as long as somebody takes them.
+    /// Lets the last lines out, for as long as someone takes them.
     pub fn finish(&self) {
         let until = Instant::now() + LAST_LINES;
         let (done, all) = sync_channel(1);
@@ -55,7 +55,7 @@ impl Log {
             end = message;
             std::thread::sleep(RETRY);
         }
-        // Nobody takes them: nothing is left to be done about it.
+        // No one takes them: nothing is left to be done about it.
         let _ = all.recv_timeout(until.saturating_duration_since(Instant::now()));
     }
 }
@@ -115,9 +115,9 @@ mod tests {
         }
     }
 
-    /// The bug to fear: a terminal that is stopped with Ctrl-S, or a full pipe, stops the loop under a moving robot.
+    /// Guards against: a terminal that is stopped with Ctrl-S, or a full pipe, stops the loop under a moving robot.
     #[test]
-    fn a_log_that_nobody_reads_holds_up_nothing_and_says_what_was_lost() {
+    fn a_log_that_no_one_reads_holds_up_nothing_and_says_what_was_lost() {
         let (gate, taken) = (Arc::<Mutex<()>>::default(), Arc::<Mutex<Vec<u8>>>::default());
         let stuck = Stuck { gate: Arc::clone(&gate), taken: Arc::clone(&taken) };
         let mut log = Log::start(stuck).unwrap();

@@ -284,7 +284,7 @@ async fn a_second_agent_stops_the_first() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_robot_nobody_knows_waits_a_while_and_says_what_to_do() {
+async fn a_robot_no_one_knows_waits_a_while_and_says_what_to_do() {
     let scenario = scenario(normal());
     let server = Server::new(&scenario);
     server.forget();

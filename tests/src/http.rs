@@ -119,12 +119,12 @@ fn request(
 /// Sends `bytes` and returns everything that comes back until the server closes the connection.
 ///
 /// # Panics
-/// Where nobody listens.
+/// Where no one listens.
 pub async fn send(server: SocketAddr, bytes: &[u8]) -> Vec<u8> {
     try_send(server, bytes).await.expect("the server listens")
 }
 
-/// The same; none where nobody listens.
+/// The same; none where no one listens.
 async fn try_send(server: SocketAddr, bytes: &[u8]) -> Option<Vec<u8>> {
     let mut stream = TcpStream::connect(server).await.ok()?;
     // A server that refuses a body need not read it: what it says all the same is what counts.

@@ -162,7 +162,7 @@ impl Process {
         writeln!(input, "{line}").and_then(|()| input.flush()).is_ok()
     }
 
-    /// Its standard input, for somebody else to write to; none where it was started without or it was taken already.
+    /// Its standard input, for someone else to write to; none where it was started without or it was taken already.
     pub fn take_input(&mut self) -> Option<ChildStdin> {
         self.input.take()
     }

@@ -252,7 +252,7 @@ mod tests {
         assert_eq!(came, sent);
     }
 
-    /// The bug to fear: an outage that loses bytes, or lets some through, makes every test of outages a fiction.
+    /// Guards against: an outage that loses bytes, or lets some through, makes every test of outages a fiction.
     #[tokio::test]
     async fn a_dead_link_holds_everything_back_and_loses_nothing() {
         let proxy = Proxy::start(echo().await).await;
@@ -273,7 +273,7 @@ mod tests {
         }
     }
 
-    /// The bug to fear: requests are never really overtaken, and a test of reordering shows nothing.
+    /// Guards against: requests are never really overtaken, and a test of reordering shows nothing.
     #[tokio::test]
     async fn a_fresh_connection_overtakes_a_lame_one() {
         let proxy = Proxy::start(echo().await).await;

@@ -1,4 +1,4 @@
-//! Text whose font nobody has measured: what may stand in XML, how wide it may get, where it
+//! Text whose font no one has measured: what may stand in XML, how wide it may get, where it
 //! is broken.
 
 use super::UNIT;

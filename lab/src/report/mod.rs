@@ -122,7 +122,7 @@ fn table(text: &mut String, environment: &EnvironmentReport) -> fmt::Result {
 fn row(text: &mut String, entry: &Entry) -> fmt::Result {
     let Entry { contender, arrived, time_s, deviation_m, recognition, coverage, difference } =
         entry;
-    // What nobody reached is no result.
+    // What no one reached is no result.
     let arrives = arrived.mean > 0.0;
     let numbers = |it: &Quantities, unit: f64, decimals: usize| {
         if !arrives {

@@ -123,7 +123,7 @@ fn a_full_body_is_read_as_it_was_said() {
     }
 }
 
-/// The bug to fear: `"calibration": []` makes ten turns.
+/// Guards against: `"calibration": []` makes ten turns.
 #[test]
 fn a_list_is_no_object_wherever_it_stands() {
     for kind in kinds() {
@@ -188,7 +188,7 @@ fn whole_numbers_end_where_they_are_no_longer_exact() {
     assert_eq!(remedy, "use a whole number from 0 to 9007199254740991");
 }
 
-/// The bug to fear: of a field that stands twice one is obeyed, and nobody knows which.
+/// Guards against: of a field that stands twice one is obeyed, and no one knows which.
 #[test]
 fn a_field_that_stands_twice_is_refused_wherever_it_stands() {
     for kind in kinds() {
@@ -314,7 +314,7 @@ fn a_byte_order_mark_is_passed_over() {
     assert!(task::Spec::read(&[b" \xef\xbb\xbf", plain].concat()).is_err(), "not in the middle");
 }
 
-/// The bug to fear: a long hostile body that takes long to refuse.
+/// Guards against: a long hostile body that takes long to refuse.
 #[test]
 fn many_fields_are_refused_at_once() {
     let fields: String = (0..20_000).map(|index| format!("\"f{index}\":1,")).collect();
@@ -323,7 +323,7 @@ fn many_fields_are_refused_at_once() {
     assert_eq!(robot::Spec::read(body.as_bytes()).unwrap_err().len(), 20_001);
 }
 
-/// The bug to fear: a field that is left out where it has its default is unknown to whoever says the default.
+/// Guards against: a field that is left out where it has its default is unknown to whoever says the default.
 #[test]
 fn a_field_that_a_type_leaves_out_is_known_all_the_same() {
     #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]

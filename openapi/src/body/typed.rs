@@ -56,7 +56,7 @@ impl<'a, 'de> Reader<'a, 'de> {
     /// The integer that it is, from `min` to `max`.
     fn integer(self, min: i128, max: i128) -> Result<i128, Fault> {
         let wanted = || {
-            // Beyond that nobody can be sure of a whole number: it is not offered.
+            // Beyond that no one can be sure of a whole number: it is not offered.
             let exact = MAX_EXACT as i128;
             format!("a whole number from {} to {}", min.max(-exact), max.min(exact))
         };

@@ -181,7 +181,7 @@ impl Spec {
     /// The settings of the controller, where `known` says what prior a name stands for. Slots are 30 ms long.
     ///
     /// # Errors
-    /// Every field that is out of its range or contradicts another, and a prior that nobody knows.
+    /// Every field that is out of its range or contradicts another, and a prior that no one knows.
     pub fn to_core(
         &self,
         known: impl Fn(&str) -> Known<settings::Prior>,

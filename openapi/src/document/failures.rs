@@ -38,11 +38,11 @@ const CODES: [(u16, &str, &str); 9] = [
     (503, "Unavailable", "UNAVAILABLE: not now, ask again"),
 ];
 
-/// A problem as the server tells it: reason, code, status, message; then of its detail field, value as JSON, remedy.
-type Told = (&'static str, u16, Status, &'static str, &'static str, &'static str, &'static str);
+/// A problem as the server answers it: reason, code, status, message; then of its detail field, value as JSON, remedy.
+type Sample = (&'static str, u16, Status, &'static str, &'static str, &'static str, &'static str);
 
 #[rustfmt::skip]
-const REASONS: [Told; 44] = [
+const REASONS: [Sample; 44] = [
     (reason::NOT_FINITE, 400, Status::InvalidArgument, "the request has 1 problem", "noise.position_m", "null", "use a number from 0 to 1 m"),
     (reason::OUT_OF_RANGE, 400, Status::InvalidArgument, "the request has 1 problem", "horizon_slots", "68", "use an integer from 1 to 67"),
     (reason::WRONG_LENGTH, 400, Status::InvalidArgument, "the request has 1 problem", "waypoints", "0", "use 1 to 1000 of them, not 0"),
@@ -80,7 +80,7 @@ const REASONS: [Told; 44] = [
     (reason::STORE_FAILED, 503, Status::Unavailable, "the journal of stops cannot be written", "", "null", "look at the disk of the server, then ask again"),
     (reason::TASK_DIED, 503, Status::Unavailable, "the task of robot rover-7 ended", "robot", "\"rover-7\"", "ask again; please report what the log says"),
     (reason::ROBOT_FAILED, 503, Status::Unavailable, "the computation of robot rover-7 does not end", "robot", "\"rover-7\"", "describe it anew: PUT /v1/robots/{robot}; please report what the log says"),
-    (reason::NOT_TOLD, 503, Status::Unavailable, "1 of 3 robots could not be told", "robot", "\"rover-7\"", "ask again for this one"),
+    (reason::NOT_TOLD, 503, Status::Unavailable, "1 of 3 robots could not be sample", "robot", "\"rover-7\"", "ask again for this one"),
     (reason::TOKEN_MISSING, 401, Status::Unauthenticated, "this server wants a token", "Authorization", "null", "send Authorization: Bearer TOKEN"),
     (reason::TOKEN_WRONG, 401, Status::Unauthenticated, "this is not the token of this server", "Authorization", "null", "send Authorization: Bearer TOKEN"),
     (reason::FOREIGN_ORIGIN, 403, Status::PermissionDenied, "a web page of another origin may not ask here", "Origin", "\"http://evil.example\"", "start the server with --cors-origin"),
@@ -123,9 +123,9 @@ pub(super) fn responses(schemas: &mut Schemas) -> Vec<(String, RefOr<Response>)>
 }
 
 fn response(words: &str, is_meant: impl Fn(u16) -> bool) -> ResponseBuilder {
-    let examples = REASONS.iter().filter(|told| is_meant(told.1)).map(|told| {
-        let example = ExampleBuilder::new().summary(about(told.0)).value(Some(body(told)));
-        (told.0, example.build())
+    let examples = REASONS.iter().filter(|sample| is_meant(sample.1)).map(|sample| {
+        let example = ExampleBuilder::new().summary(about(sample.0)).value(Some(body(sample)));
+        (sample.0, example.build())
     });
     let schema: RefOr<Schema> = Ref::from_schema_name(ErrorBody::name()).into();
     let content = ContentBuilder::new().schema(Some(schema)).examples_from_iter(examples);
@@ -139,7 +139,7 @@ fn about(reason: &str) -> String {
     words.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
 }
 
-fn body(&(reason, code, status, message, field, value, remedy): &Told) -> Value {
+fn body(&(reason, code, status, message, field, value, remedy): &Sample) -> Value {
     let value: Value = serde_json::from_str(value).unwrap_or_default();
     let problem = Problem::new(status, message).with(Detail::new(reason, field, value, remedy));
     let mut body = ErrorBody::from(problem);
@@ -155,12 +155,12 @@ mod tests {
     /// Guards against a reason that the document does not list.
     #[test]
     fn every_reason_has_an_example() {
-        let told: BTreeSet<_> = REASONS.iter().map(|told| told.0).collect();
+        let sample: BTreeSet<_> = REASONS.iter().map(|sample| sample.0).collect();
         let all: BTreeSet<_> = reason::ALL.iter().map(|(name, _)| *name).collect();
-        assert_eq!((told.len(), &told), (REASONS.len(), &all));
-        for told in &REASONS {
-            assert!(serde_json::from_str::<Value>(told.5).is_ok(), "{}", told.0);
-            assert!(about(told.0).ends_with('.'), "{}: {}", told.0, about(told.0));
+        assert_eq!((sample.len(), &sample), (REASONS.len(), &all));
+        for sample in &REASONS {
+            assert!(serde_json::from_str::<Value>(sample.5).is_ok(), "{}", sample.0);
+            assert!(about(sample.0).ends_with('.'), "{}: {}", sample.0, about(sample.0));
         }
     }
 }

@@ -74,7 +74,7 @@ pub struct Champion {
     pub trials: u64,
     /// The champion first, then what it has to beat.
     pub entries: Vec<Entry>,
-    /// What one should know before one uses it, in plain words: environments in which nobody arrives.
+    /// What one should know before one uses it, in plain words: environments in which no one arrives.
     #[serde(default)]
     pub notes: Vec<String>,
 }

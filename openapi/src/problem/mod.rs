@@ -127,7 +127,7 @@ mod tests {
         assert_eq!(Problem::parse(404, b"").status, Status::NotFound);
     }
 
-    /// The bug to fear: a server, or who pretends to be one, writes on the terminal of whoever reads its errors.
+    /// Guards against: a server, or who pretends to be one, writes on the terminal of whoever reads its errors.
     #[test]
     fn what_a_server_says_shows_as_what_it_is() {
         let evil = "\u{1b}[2J\r\nfake\u{202e}\u{9b}";

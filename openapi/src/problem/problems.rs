@@ -3,7 +3,7 @@
 use super::detail::{Detail, MAX_DETAILS};
 use super::reason;
 
-/// Reasons of a request that the schemas allow: it is at odds with itself, with names that nobody goes by now or that
+/// Reasons of a request that the schemas allow: it is at odds with itself, with names that no one goes by now or that
 /// others have, and so is no bad request but a conflict.
 const CONFLICTS: [&str; 5] = [
     reason::INCONSISTENT,

@@ -18,7 +18,7 @@ reasons! {
     WRONG_LENGTH
     /// A field contradicts another.
     INCONSISTENT
-    /// A field that nobody knows.
+    /// A field that no one knows.
     UNKNOWN_FIELD
     /// Not JSON, a missing field, or a value of another type.
     MALFORMED

@@ -14,7 +14,7 @@ pub enum Status {
     FailedPrecondition,
     /// Past the end of what exists.
     OutOfRange,
-    /// Nobody knows who asks.
+    /// No one knows who asks.
     Unauthenticated,
     /// Who asks may not.
     PermissionDenied,
@@ -22,7 +22,7 @@ pub enum Status {
     NotFound,
     /// There is such a thing already.
     AlreadyExists,
-    /// Somebody else was first: another epoch, another version.
+    /// Someone else was first: another epoch, another version.
     Aborted,
     /// Too much at once; `Retry-After` says when to come again.
     ResourceExhausted,
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    /// The bug to fear: whoever sends a good request is told that it is a bad one, and looks for the mistake in it.
+    /// Guards against: whoever sends a good request is told that it is a bad one, and looks for the mistake in it.
     #[test]
     fn what_depends_on_state_is_a_conflict_and_no_bad_request() {
         let of = |code| Status::ALL.into_iter().filter(move |status| status.http_code() == code);

@@ -19,7 +19,7 @@ pub const WATCHDOG: Range = Range::new(0.0, 5.0, "s");
 pub const MIN_WATCHDOG: f64 = 0.05;
 /// From 10 um to 1 m of standard deviation.
 pub const POSITION_VARIANCE: Range = Range::new(1e-10, 1.0, "m^2");
-/// Up to the variance of a heading that nobody knows.
+/// Up to the variance of a heading that no one knows.
 pub const HEADING_VARIANCE: Range = Range::new(1e-8, 10.0, "rad^2");
 /// Speeds of the law as of the drive.
 pub const ALPHA: Range = Range::new(1e-3, 10.0, "m/s");

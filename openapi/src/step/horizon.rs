@@ -8,7 +8,7 @@ use crate::task;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// From a fast motor controller's cycle to that of a robot nobody would call controlled.
+/// From a fast motor controller's cycle to that of a robot no one would call controlled.
 pub const SLOT: Range = Range::new(0.001, 1.0, "s");
 /// A horizon begins a slot or the longest loop delay after the request was sent, at whatever time that was.
 pub const START: Range = Range::new(TIME.min, TIME.max + 10.0, "s");

@@ -111,7 +111,7 @@ pub struct Environment {
     pub fitness: Fitness,
     /// How much it counts beside the other environments of an evolution.
     pub weight: f64,
-    /// What people should know about it; null where nobody said anything.
+    /// What people should know about it; null where no one said anything.
     pub note: Option<String>,
     /// Whether it comes with the server: such a one can be neither replaced nor removed.
     pub built_in: bool,

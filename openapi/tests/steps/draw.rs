@@ -40,7 +40,7 @@ pub fn clock() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A robot as somebody may describe it.
+/// A robot as someone may describe it.
 pub fn robot() -> impl Strategy<Value = Settings> {
     let choices = (
         select(vec!["fixed-normal", "fixed-bad", "statistic", "bayesian"]),

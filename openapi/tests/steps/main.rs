@@ -36,7 +36,7 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// The bugs to fear: a clock or a pause of some size computes for ever, a pose far away makes a belief infinite, a
+    /// Guards against: a clock or a pause of some size computes for ever, a pose far away makes a belief infinite, a
     /// command is out of the drive's limits, a stopped robot is told to drive.
     #[test]
     fn every_valid_request_is_answered_soon_and_within_all_limits(
@@ -49,7 +49,7 @@ proptest! {
     }
 }
 
-/// The bug to fear: agents of a Monte Carlo that believes nothing yet are drawn infinitely far away, and the robot turns
+/// Guards against: agents of a Monte Carlo that believes nothing yet are drawn infinitely far away, and the robot turns
 /// toward a place that is no number, at full speed.
 #[test]
 fn a_robot_that_cannot_tell_where_it_will_be_stays_within_its_limits() {

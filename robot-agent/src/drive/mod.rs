@@ -59,10 +59,10 @@ pub trait Drive: Send {
 /// Why wheel speeds do not get to the wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DriveError {
-    /// Nobody reads the wheel speeds any more.
+    /// No one reads the wheel speeds any more.
     #[error("nobody takes the wheel speeds: standard output is closed")]
     OutputClosed,
-    /// The newest wheel speeds have waited too long for somebody to read them.
+    /// The newest wheel speeds have waited too long for someone to read them.
     #[error(
         "nobody takes the wheel speeds: the newest ones have waited 0.5 s. Whatever reads standard output must read \
          every line as it comes, and act on the last one"

@@ -87,7 +87,7 @@ impl Drive for Sim {
         {
             return;
         }
-        // Where nobody can change it any more, it stays as it is.
+        // Where no one can change it any more, it stays as it is.
         std::future::pending().await
     }
 

@@ -105,7 +105,7 @@ impl Fleet {
                     Some(robot) => fleet.replace(robot, settings, &prior, &condition).await?,
                     None => fleet.create(&id, settings, &prior, &condition).await?,
                 };
-                // Otherwise it was removed or created by somebody else meanwhile: look again.
+                // Otherwise it was removed or created by someone else meanwhile: look again.
                 if let Some(done) = done {
                     return Ok(done);
                 }
@@ -154,7 +154,7 @@ impl Fleet {
         condition.check(Some(snapshot.etag()))?;
         let change = RobotChange::Settings { settings: settings.into(), prior: prior.clone() };
         if !robot.is_alive() {
-            // Its task has died. Somebody describes it anew, so it may drive again; followers begin anew. What it
+            // Its task has died. Someone describes it anew, so it may drive again; followers begin anew. What it
             // learned may be what it died of.
             let record = change.kept(robot.record(), self.next_revision());
             self.keep(robot.id(), &record, None).await?;
@@ -199,7 +199,7 @@ impl Fleet {
             if !fleet.0.unreadable.has(Kind::Robot, id.as_str()) {
                 return Err(failure::no_such_robot(&id));
             }
-            // Nobody has seen a version of it.
+            // No one has seen a version of it.
             condition.check(None)?;
             fleet.0.keeper.commit(vec![Change::DeleteRobot(id.clone())]).await?;
             fleet.0.unreadable.remove(Kind::Robot, id.as_str());

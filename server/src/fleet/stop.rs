@@ -4,7 +4,7 @@
 //! a resume is kept first and acts then, unless a stop has come meanwhile (`keeping` says how they are kept).
 //!
 //! Of two requests on two connections, sent one after the other, either may arrive first, by some milliseconds where the
-//! machine is busy. Nobody can tell then, so the stop wins: it acts when it arrives, and once more after [`SETTLES`],
+//! machine is busy. No one can tell then, so the stop wins: it acts when it arrives, and once more after [`SETTLES`],
 //! before it is acknowledged.
 
 use super::Fleet;

@@ -49,10 +49,10 @@ async fn a_robot_whose_task_has_died_drives_again_once_it_is_described_anew() {
     assert!(fleet.find(dead.id()).is_none());
 }
 
-/// The bugs to fear: one robot whose computation does not end takes the server with it, cannot be stopped, or cannot
+/// Guards against: one robot whose computation does not end takes the server with it, cannot be stopped, or cannot
 /// be removed; and as many of them as there are threads hold up all others.
 #[tokio::test(flavor = "multi_thread", worker_threads = 1)]
-async fn robots_that_compute_for_ever_hold_up_nobody_and_can_be_stopped() {
+async fn robots_that_compute_for_ever_hold_up_no_one_and_can_be_stopped() {
     let fleet = empty();
     let mut robots = Vec::new();
     for id in ["a", "b", "c", "d", "e", "well"] {
@@ -108,7 +108,7 @@ fn step(sequence: u64) -> Request {
     Request { sequence, sent: RobotTime::new(sequence as f64), ..Request::EMPTY }
 }
 
-/// The bug to fear: what an earlier version took can no longer be named, and drives on.
+/// Guards against: what an earlier version took can no longer be named, and drives on.
 #[tokio::test]
 async fn a_robot_of_an_earlier_version_whose_id_begins_with_a_hyphen_goes_on() {
     let (settings, id) = (Settings::default(), "-r".parse::<RobotId>().unwrap());

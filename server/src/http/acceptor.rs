@@ -101,7 +101,7 @@ impl Acceptor {
 
     fn serve(&self, stream: TcpStream, place: Place, router: &Router, lifetime: Duration) {
         let (router, builder) = (router.clone(), Arc::clone(&self.builder));
-        // Nobody is told that a connection is kept for longer than it is.
+        // No one is told that a connection is kept for longer than it is.
         let times = Times { idle: self.times.idle.min(lifetime), ..self.times };
         let watcher = self.graceful.watcher();
         let frames = self.control_frames_per_s;

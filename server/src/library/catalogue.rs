@@ -1,4 +1,4 @@
-//! Things with names: those that come with the server, which nobody changes, and those that are kept.
+//! Things with names: those that come with the server, which no one changes, and those that are kept.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;

@@ -115,7 +115,7 @@ impl Priors {
         Arc::clone(&self.0.names).read_owned().await
     }
 
-    /// Nobody else changes what names mean, or goes by it, until the guard is dropped.
+    /// No one else changes what names mean, or goes by it, until the guard is dropped.
     pub(crate) async fn changing(&self) -> OwnedRwLockWriteGuard<()> {
         Arc::clone(&self.0.names).write_owned().await
     }
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_nobody_knows_is_answered_with_those_that_there_are() {
+    fn a_name_that_no_one_knows_is_answered_with_those_that_there_are() {
         let priors = Priors::default();
         priors.all().insert(named("dune"));
         assert_eq!(priors.known("dune"), Ok(Prior::flat()));

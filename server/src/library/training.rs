@@ -17,7 +17,7 @@ use umwelt_lab::wire;
 /// Most environments that are kept: with the longest traces some 50 MB.
 pub(crate) const MAX_ENVIRONMENTS: usize = 200;
 
-/// An environment, whose name it holds, and what somebody wrote about it.
+/// An environment, whose name it holds, and what someone wrote about it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Named {
     pub(crate) id: EnvironmentId,
@@ -83,7 +83,7 @@ impl Environments {
         &self.0.all
     }
 
-    /// Nobody else changes one until the guard is dropped.
+    /// No one else changes one until the guard is dropped.
     pub(crate) async fn changing(&self) -> OwnedMutexGuard<()> {
         Arc::clone(&self.0.changing).lock_owned().await
     }

@@ -63,7 +63,7 @@ pub struct Config {
     pub max_bodies: usize,
     /// Most bytes of bodies in flight of one address.
     pub max_bodies_per_peer: usize,
-    /// Bytes of figures, tables and reports to keep once they are made; those go first that nobody has asked for the
+    /// Bytes of figures, tables and reports to keep once they are made; those go first that no one has asked for the
     /// longest.
     pub keep_documents: usize,
     /// Most event streams at a time. They last for hours and each sees every event.

@@ -21,7 +21,7 @@ pub(crate) async fn give_back_what_is_free() {
         sleep(EVERY).await;
         let Some(now) = resident() else { return };
         if turns.is_due(now) {
-            // It is gone on with where the server ends meanwhile, and nobody waits for it.
+            // It is gone on with where the server ends meanwhile, and no one waits for it.
             let _ = spawn_blocking(umwelt_memory::give_back).await;
             turns.done(now, resident().unwrap_or(now));
         }

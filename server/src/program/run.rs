@@ -94,7 +94,7 @@ fn look_for_damage(Check { data, remove_damaged }: &Check) -> ExitCode {
 /// How the program ends after something that was done without a server.
 fn said(done: Result<(), offline::Error>) -> ExitCode {
     let Err(error) = done else { return ExitCode::SUCCESS };
-    // Nobody may read it; the exit status says it too.
+    // No one may read it; the exit status says it too.
     let mut output = std::io::stderr().lock();
     let _ = writeln!(output, "error: {error}");
     let offline::Error::Invalid(problems) = error else { return ExitCode::FAILURE };
@@ -133,7 +133,7 @@ fn end_after(longest: Duration) {
     }
 }
 
-/// Says a result on standard output. Whoever reads it, a script or nobody, must not stop the program by going away.
+/// Says a result on standard output. Whoever reads it, a script or no one, must not stop the program by going away.
 fn say(line: &str) {
     let mut output = std::io::stdout();
     let _ = writeln!(output, "{line}");

@@ -52,7 +52,7 @@ pub struct StoredPrior {
     pub name: String,
     /// Its values.
     pub prior: Prior,
-    /// What somebody wrote about it.
+    /// What someone wrote about it.
     pub note: Option<String>,
     /// Where it comes from.
     pub source: Source,
@@ -98,7 +98,7 @@ pub struct Contents {
     pub environments: Vec<StoredEnvironment>,
     /// Jobs, kind by kind in the order of their numbers.
     pub jobs: Vec<StoredJob>,
-    /// What cannot be read, and stays as it is until somebody puts another in its place or removes it.
+    /// What cannot be read, and stays as it is until someone puts another in its place or removes it.
     pub unreadable: Vec<Unreadable>,
     /// Highest number that a job of each kind ever had; a kind that never had one may be missing.
     pub last_numbers: BTreeMap<JobKind, u64>,

@@ -96,7 +96,7 @@ fn entry(line: &[u8]) -> Option<Entry> {
     Some(Entry { arrival, robot: parts.next()?.parse().ok()?, word })
 }
 
-/// The journal of a data directory, which nobody else uses meanwhile.
+/// The journal of a data directory, which no one else uses meanwhile.
 #[derive(Debug)]
 pub(crate) struct StopJournal {
     file: File,
@@ -220,7 +220,7 @@ mod tests {
         assert!(!words.is_damaged);
     }
 
-    /// The bug to fear: a word that is thrown away before the store has it.
+    /// Guards against: a word that is thrown away before the store has it.
     #[test]
     fn it_is_emptied_only_where_the_store_holds_all_of_it() {
         let directory = tempdir().unwrap();
@@ -259,7 +259,7 @@ mod tests {
         }
     }
 
-    /// The bug to fear: a flipped bit that turns a stop into nothing, or into another robot's.
+    /// Guards against: a flipped bit that turns a stop into nothing, or into another robot's.
     #[test]
     fn every_changed_byte_is_noticed() {
         let lines = [entry_of(5, "a", Word::Stop), entry_of(6, "b", Word::Stop)];

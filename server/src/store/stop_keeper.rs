@@ -63,7 +63,7 @@ impl StopKeeper {
     }
 }
 
-/// Writes what is asked for until nobody can ask any more: all that waits in one go.
+/// Writes what is asked for until no one can ask any more: all that waits in one go.
 fn run(journal: &Mutex<StopJournal>, asked: &Receiver<Append>) {
     while let Ok(first) = asked.recv() {
         let group = std::iter::once(first).chain(asked.try_iter().take(MAX_GROUP - 1));

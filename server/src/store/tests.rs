@@ -192,7 +192,7 @@ fn parts_come_in_pages() {
     }
 }
 
-/// The bug to fear: what was learned for one task is taken up in another one.
+/// Guards against: what was learned for one task is taken up in another one.
 #[test]
 fn what_was_learned_goes_with_its_revision() {
     for (name, store, _directory) in stores() {

@@ -1,5 +1,5 @@
 //! What is kept and cannot be read: a newer program wrote it. It keeps its place, is shown as unreadable and is touched by
-//! nobody but those who put another in its place or remove it.
+//! no one but those who put another in its place or remove it.
 
 use super::document;
 use super::job_id::JobKind;
@@ -66,7 +66,7 @@ impl Unreadable {
         )
     }
 
-    /// What somebody is told who asks for it.
+    /// What someone is told who asks for it.
     fn failure(&self) -> Failure {
         let (kind, name) = (self.kind.name(), self.name.as_str());
         let detail = Detail::new(reason::UNREADABLE, kind, name, self.remedy());
@@ -114,7 +114,7 @@ impl Unreadables {
         self.all().contains_key(&(kind, name.to_owned()))
     }
 
-    /// What somebody is told who asks for this one, where it is one of these.
+    /// What someone is told who asks for this one, where it is one of these.
     pub(crate) fn failure(&self, kind: Kind, name: &str) -> Option<Failure> {
         self.all().get(&(kind, name.to_owned())).map(Unreadable::failure)
     }

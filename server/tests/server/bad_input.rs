@@ -133,7 +133,7 @@ type Case = (
     &'static str,
 );
 
-/// The bug to fear: an answer of the framework instead of ours, in plain text.
+/// Guards against: an answer of the framework instead of ours, in plain text.
 #[tokio::test(start_paused = true)]
 async fn whatever_is_wrong_the_body_is_the_same() {
     let api = driving().await;
@@ -191,7 +191,7 @@ async fn whatever_is_wrong_the_body_is_the_same() {
     }
 }
 
-/// The bugs to fear: a list that passes for an object, a file of an editor or a program's whole numbers that are refused
+/// Guards against: a list that passes for an object, a file of an editor or a program's whole numbers that are refused
 /// for no reason that one could see.
 #[tokio::test(start_paused = true)]
 async fn what_is_read_is_what_was_said() {
@@ -227,7 +227,7 @@ async fn what_is_read_is_what_was_said() {
     assert!(detail["remedy"].as_str().unwrap().starts_with("NaN is no number in JSON"), "{detail}");
 }
 
-/// The bug to fear: a compressed body is told that it is malformed at line 1 column 1.
+/// Guards against: a compressed body is told that it is malformed at line 1 column 1.
 #[tokio::test(start_paused = true)]
 async fn a_body_that_is_encoded_is_refused_as_that() {
     let api = driving().await;
@@ -243,7 +243,7 @@ async fn a_body_that_is_encoded_is_refused_as_that() {
     assert_eq!(api.call("PUT", "/v1/robots/r", &plain, "{}").await.code, 200);
 }
 
-/// The bug to fear: a note that rewrites the terminal of whoever lists priors.
+/// Guards against: a note that rewrites the terminal of whoever lists priors.
 #[tokio::test(start_paused = true)]
 async fn notes_show_as_what_they_are() {
     let api = Api::new().await;
@@ -289,7 +289,7 @@ async fn nothing_new_begins_with_a_hyphen() {
     assert_eq!(evolution.problem().1, "INVALID_ID");
 }
 
-/// The bug to fear: whoever sends a good request hears that it is bad, and looks for the mistake in it.
+/// Guards against: whoever sends a good request hears that it is bad, and looks for the mistake in it.
 #[tokio::test(start_paused = true)]
 async fn what_is_good_and_at_odds_is_a_conflict() {
     let api = driving().await;

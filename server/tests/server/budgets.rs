@@ -13,7 +13,7 @@ use tokio::net::{TcpSocket, TcpStream};
 use umwelt_server::Config;
 
 /// Long enough for a busy machine; nothing here waits for it where all is well.
-const PATIENCE: Duration = Duration::from_secs(30);
+const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A peer that answers no pings is cut off after 20 s anyway.
 const BEFORE_PINGS: Duration = Duration::from_secs(15);
@@ -31,7 +31,7 @@ async fn connect(peer: u8, address: SocketAddr) -> TcpStream {
 async fn ask(peer: u8, address: SocketAddr, method: &str, path: &str, body: &str) -> String {
     let request = written(method, path, body);
     let answer = read_out(connect(peer, address).await, request.as_bytes());
-    tokio::time::timeout(PATIENCE, answer).await.expect("an answer")
+    tokio::time::timeout(TIMEOUT, answer).await.expect("an answer")
 }
 
 async fn code(peer: u8, address: SocketAddr, method: &str, path: &str) -> u16 {
@@ -54,7 +54,7 @@ async fn step_of(peer: u8, address: SocketAddr, epoch: u64) -> String {
     ask(peer, address, "POST", "/v1/robots/r/step", &step(epoch, 1, 10.0, 0.0).to_string()).await
 }
 
-/// The bug to fear: one peer takes all connections, and nobody can drive or stop a robot any more.
+/// Guards against: one peer takes all connections, and no one can drive or stop a robot any more.
 #[tokio::test]
 async fn a_peer_at_its_limit_stops_neither_others_nor_anybodys_stop() {
     let limits = Config {
@@ -97,7 +97,7 @@ async fn a_peer_at_its_limit_stops_neither_others_nor_anybodys_stop() {
     }
 }
 
-/// The bug to fear: connections that were used once keep their places, whoever needs one.
+/// Guards against: connections that were used once keep their places, whoever needs one.
 #[tokio::test]
 async fn the_longest_idle_connection_of_the_greediest_peer_gives_way() {
     let limits = Config { max_connections: 4, max_connections_per_peer: 3, ..config() };
@@ -116,9 +116,9 @@ async fn the_longest_idle_connection_of_the_greediest_peer_gives_way() {
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
     };
-    tokio::time::timeout(PATIENCE, served).await.expect("an idle one gives way");
+    tokio::time::timeout(TIMEOUT, served).await.expect("an idle one gives way");
     let mut rest = Vec::new();
-    let closed = tokio::time::timeout(PATIENCE, idle[0].read_to_end(&mut rest));
+    let closed = tokio::time::timeout(TIMEOUT, idle[0].read_to_end(&mut rest));
     assert!(closed.await.is_ok(), "the longest idle one was closed");
     // The others go on.
     idle[2]
@@ -145,9 +145,9 @@ async fn one_peer_does_not_take_all_event_streams() {
     assert_eq!(code(4, address, "GET", "/v1/events").await, 429);
 }
 
-/// The bug to fear: bodies that never end hold as much memory as somebody likes to send.
+/// Guards against: bodies that never end hold as much memory as someone likes to send.
 #[tokio::test]
-async fn unfinished_bodies_are_given_up_for_others_and_nobody_else_is_refused() {
+async fn unfinished_bodies_are_given_up_for_others_and_no_one_else_is_refused() {
     const MB: usize = 1 << 20;
     let limits = Config { max_bodies: 2 * MB, max_bodies_per_peer: MB, ..config() };
     let (address, _server) = serve(limits).await;
@@ -163,7 +163,7 @@ async fn unfinished_bodies_are_given_up_for_others_and_nobody_else_is_refused() 
     }
     // At most five of them fit into a megabyte; the first were given up long before the time for a body is over.
     let mut answer = [0; 12];
-    tokio::time::timeout(PATIENCE, held[0].read_exact(&mut answer)).await.unwrap().unwrap();
+    tokio::time::timeout(TIMEOUT, held[0].read_exact(&mut answer)).await.unwrap().unwrap();
     assert_eq!(&answer, b"HTTP/1.1 429");
     for (peer, epoch) in [(2, 1), (3, 2)] {
         let answer = step_of(peer, address, epoch).await;
@@ -191,11 +191,11 @@ async fn flood(address: SocketAddr, begin: Vec<u8>, frames: Vec<u8>) {
     tokio::time::timeout(BEFORE_PINGS, ended).await.expect("a flood ends its connection");
 }
 
-/// The bug to fear: a connection that only sends control frames takes all the time there is.
+/// Guards against: a connection that only sends control frames takes all the time there is.
 #[tokio::test]
 async fn a_flood_of_control_frames_ends_its_connection_and_no_other() {
     // Nothing else ends them in time.
-    let (header_timeout, body_timeout) = (10 * PATIENCE, 10 * PATIENCE);
+    let (header_timeout, body_timeout) = (10 * TIMEOUT, 10 * TIMEOUT);
     let (address, _server) = serve(Config { header_timeout, body_timeout, ..config() }).await;
     let settings = frame(4, 0, &[0, 3, 0, 0, 0, 100]);
     let step = b"\x83\x86\x04\x12/v1/robots/r0/step\x01\x01x";

@@ -122,7 +122,7 @@ async fn a_comparison_lives_from_its_submission_to_its_trials() {
     assert_eq!(begin(&restarted, &long()).await, "/v1/comparisons/comparison-2");
 }
 
-/// The bugs to fear: two doors to the same comparison that lead to different numbers, and a restart that changes them.
+/// Guards against: two doors to the same comparison that lead to different numbers, and a restart that changes them.
 #[tokio::test]
 async fn a_comparison_goes_on_after_a_restart_to_the_report_of_the_offline_command() {
     let body = json!({"methods": ["statistic/1", "bayesian/1"], "trials": 60, "seed": 7});
@@ -207,7 +207,7 @@ async fn a_cancelled_comparison_stops_in_the_queue_and_while_it_runs() {
     }
 }
 
-/// The bug to fear: one kind of job that keeps the other from its turn.
+/// Guards against: one kind of job that keeps the other from its turn.
 #[tokio::test]
 async fn comparisons_and_evolutions_run_beside_each_other_and_have_queues_of_their_own() {
     let config = Config { max_queued_comparisons: 1, max_queued_evolutions: 1, ..hurried() };
@@ -300,7 +300,7 @@ async fn what_makes_no_sense_is_refused_all_of_it_at_once() {
     });
 }
 
-/// The bug to fear: a comparison that is resumed with another prior than it was begun with.
+/// Guards against: a comparison that is resumed with another prior than it was begun with.
 #[tokio::test]
 async fn a_comparison_keeps_the_prior_that_it_was_submitted_with() {
     let api = serve(Arc::new(MemoryStore::default())).await;

@@ -53,7 +53,7 @@ async fn a_task_has_its_own_version() {
     assert_eq!((exists.code, exists.problem().0.as_str()), (412, "ALREADY_EXISTS"));
 }
 
-/// The bug to fear: between looking and writing somebody else has written. The gate holds both writers there.
+/// Guards against: between looking and writing someone else has written. The gate holds both writers there.
 #[tokio::test]
 async fn of_two_who_create_the_same_robot_one_is_told_that_it_exists() {
     let gate = Arc::new(Gate::default());

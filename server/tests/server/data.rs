@@ -71,7 +71,7 @@ fn set_mode(path: &Path, mode: u32) {
     fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
 }
 
-/// The bug to fear: the last seconds before an ordered end is lost, or the file needs its log beside it.
+/// Guards against: the last seconds before an ordered end is lost, or the file needs its log beside it.
 #[tokio::test]
 async fn the_end_of_a_server_keeps_all_that_robots_learned() {
     let directory = tempdir().unwrap();
@@ -112,13 +112,13 @@ async fn a_second_server_on_the_same_data_is_refused_and_the_first_goes_on() {
     end(child, "-TERM");
 }
 
-/// The bug to fear: a disk that fails fills itself and others with the same line twice a second, or the server has to be
+/// Guards against: a disk that fails fills itself and others with the same line twice a second, or the server has to be
 /// started anew.
 #[tokio::test]
 async fn a_store_that_fails_in_use_is_said_once_and_found_again() {
     let directory = tempdir().unwrap();
     let mut command = serve(directory.path());
-    // Nobody reads the log meanwhile: every refused request in it would be too much for the pipe.
+    // No one reads the log meanwhile: every refused request in it would be too much for the pipe.
     command.args(["--log", "umwelt_server=info"]);
     let (child, address) = start(command);
     let (file, aside) = (directory.path().join(DATA_FILE), directory.path().join("aside"));
@@ -148,7 +148,7 @@ async fn a_store_that_fails_in_use_is_said_once_and_found_again() {
 fn data_that_cannot_be_written_is_refused_with_a_remedy() {
     let directory = tempdir().unwrap();
     set_mode(directory.path(), 0o755);
-    // Where nobody can reach it, whatever the build directory's rights are.
+    // Where no one can reach it, whatever the build directory's rights are.
     let copy = directory.path().join("umwelt-server");
     fs::copy(env!("CARGO_BIN_EXE_umwelt-server"), &copy).unwrap();
     let run = |data: &Path| {
@@ -214,7 +214,7 @@ async fn a_backup_is_written_while_the_server_runs_and_opens_as_data() {
     assert!(nothing.contains("there is no data file"), "{nothing}");
 }
 
-/// The bug to fear: the disk is full, the server restarts, and nobody can stop a robot that drives.
+/// Guards against: the disk is full, the server restarts, and no one can stop a robot that drives.
 #[tokio::test]
 async fn a_server_starts_on_a_full_disk_and_robots_can_be_stopped() {
     let directory = tempdir().unwrap();
@@ -224,7 +224,7 @@ async fn a_server_starts_on_a_full_disk_and_robots_can_be_stopped() {
     full.args(["-c", "trap '' XFSZ; ulimit -S -f 0; exec \"$0\" \"$@\""]);
     full.arg(env!("CARGO_BIN_EXE_umwelt-server"));
     full.args(["--listen", "127.0.0.1:0", "--data", directory.path().to_str().unwrap()]);
-    // Nobody reads the log meanwhile: every refused request in it would be too much for the pipe.
+    // No one reads the log meanwhile: every refused request in it would be too much for the pipe.
     full.args(["--log", "umwelt_server=info"]).stdout(Stdio::piped()).stderr(Stdio::piped());
     let (child, address) = start(full);
     let call = async |method: &str, path: &str| request(address, method, path, "{}").await;
@@ -258,7 +258,7 @@ async fn a_server_starts_on_a_full_disk_and_robots_can_be_stopped() {
     assert_eq!(kept, [("r", true), ("s", false)], "the stop too");
 }
 
-/// The bug to fear: one digit on the disk turns a waypoint of 0.25 m into one of 8.25 m, and a robot drives there.
+/// Guards against: one digit on the disk turns a waypoint of 0.25 m into one of 8.25 m, and a robot drives there.
 #[tokio::test]
 async fn one_digit_that_changes_on_the_disk_is_named_and_given_up_alone() {
     let directory = tempdir().unwrap();

@@ -73,7 +73,7 @@ async fn what_is_wrong_with_an_environment_is_said_at_once() {
     );
 }
 
-/// The bug to fear: an evolution that is resumed in another environment than it was begun in.
+/// Guards against: an evolution that is resumed in another environment than it was begun in.
 #[tokio::test]
 async fn an_evolution_keeps_the_environment_that_it_was_submitted_with() {
     let api = serve(Arc::new(MemoryStore::default())).await;

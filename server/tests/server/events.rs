@@ -133,7 +133,7 @@ async fn an_empty_last_event_id_is_none() {
 async fn arriving_is_told() {
     let api = Api::new().await;
     api.put("/v1/robots/r", json!({})).await;
-    // The first waypoint is where the robot stands; nobody can miss it.
+    // The first waypoint is where the robot stands; no one can miss it.
     api.put("/v1/robots/r/task", json!({"waypoints": [{"x_m": 0.0, "y_m": 0.0}]})).await;
     let mut stream = Stream::open(&api, "/v1/robots/r/events", None).await;
     drive(&api, 1..40).await;
@@ -163,9 +163,9 @@ async fn a_stream_resumes_where_it_broke_off() {
     }
 }
 
-/// The bug to fear: a follower that reads nothing holds up the robot, or fills the memory.
+/// Guards against: a follower that reads nothing holds up the robot, or fills the memory.
 #[tokio::test(start_paused = true)]
-async fn a_slow_follower_misses_events_and_holds_up_nobody() {
+async fn a_slow_follower_misses_events_and_holds_up_no_one() {
     let api = Api::with_robot().await;
     let mut slow = Stream::open(&api, "/v1/robots/r/events", None).await;
     drive(&api, 1..2000).await;
@@ -211,7 +211,7 @@ async fn there_is_a_limit_to_the_number_of_streams() {
     Stream::open(&api, "/v1/events", None).await;
 }
 
-/// The bug to fear: a frame and a wake-up for each event and each follower.
+/// Guards against: a frame and a wake-up for each event and each follower.
 #[tokio::test(start_paused = true)]
 async fn what_happens_at_once_comes_in_one_frame_and_in_order() {
     let api = Api::with_robot().await;

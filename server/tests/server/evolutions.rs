@@ -13,7 +13,7 @@ use umwelt_server::store::{Change, JobId, JobKind, MemoryStore};
 use umwelt_server::{Config, Priority, Server, Store};
 
 /// Far above what anything here takes, on whatever machine.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// An evolution of a second or so.
 pub(crate) fn small() -> Value {
@@ -69,7 +69,7 @@ impl Follower {
                 }
             }
         };
-        let block = tokio::time::timeout(PATIENCE, block).await.expect("an event, or the end")?;
+        let block = tokio::time::timeout(TIMEOUT, block).await.expect("an event, or the end")?;
         let field = |name: &str| block.lines().find_map(|line| line.strip_prefix(name));
         let event: Value = serde_json::from_str(field("data: ").unwrap()).unwrap();
         assert_eq!(field("event: ").unwrap(), event["type"]);
@@ -122,7 +122,7 @@ pub(crate) async fn serve_and_stop(store: Arc<dyn Store>, until: impl AsyncFnOnc
     let running = tokio::spawn(server.run(async { stopped.await.unwrap_or_default() }));
     until(api).await;
     drop(stop);
-    tokio::time::timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
+    tokio::time::timeout(TIMEOUT, running).await.unwrap().unwrap().unwrap();
 }
 
 #[tokio::test]
@@ -190,7 +190,7 @@ async fn an_evolution_lives_from_its_submission_to_a_prior_that_a_robot_uses() {
     assert_eq!(api.get("/v1/priors/evolution-1").await.code, 200);
 }
 
-/// The bug to fear: two doors to the same evolution that lead to different champions.
+/// Guards against: two doors to the same evolution that lead to different champions.
 #[tokio::test]
 async fn a_server_finds_the_champion_that_the_offline_command_finds() {
     let request: Request = serde_json::from_value(small()).unwrap();
@@ -247,7 +247,7 @@ async fn a_cancelled_evolution_stops_in_the_queue_and_while_it_runs() {
     assert_eq!(restarted.delete(&running).await.code, 204);
 }
 
-/// The bug to fear: a cancellation that waits for a batch of minutes.
+/// Guards against: a cancellation that waits for a batch of minutes.
 #[tokio::test]
 async fn a_cancellation_does_not_wait_for_a_long_batch() {
     let api = serve(Arc::new(MemoryStore::default())).await;
@@ -261,7 +261,7 @@ async fn a_cancellation_does_not_wait_for_a_long_batch() {
     assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
 }
 
-/// The bugs to fear: a generation lost, told twice or driven on other seeds after a restart.
+/// Guards against: a generation lost, told twice or driven on other seeds after a restart.
 #[tokio::test]
 async fn an_evolution_goes_on_after_a_restart_as_if_nothing_had_been() {
     let uninterrupted = serve(Arc::new(MemoryStore::default())).await;
@@ -309,7 +309,7 @@ async fn an_evolution_goes_on_after_a_restart_as_if_nothing_had_been() {
     assert_eq!(third.get(second).await.json()["interrupted"], 0);
 }
 
-/// The bug to fear: a server that dies of what an older or newer one has left.
+/// Guards against: a server that dies of what an older or newer one has left.
 #[tokio::test]
 async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() {
     for (checkpoint, said) in [
@@ -338,7 +338,7 @@ async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() 
     }
 }
 
-/// The bugs to fear: an evolution lost to a full disk, or shown as further than what a restart would find.
+/// Guards against: an evolution lost to a full disk, or shown as further than what a restart would find.
 #[tokio::test]
 async fn a_store_that_fails_delays_an_evolution_and_ends_none() {
     let store = Arc::new(Faulty::default());
@@ -366,7 +366,7 @@ async fn a_store_that_fails_delays_an_evolution_and_ends_none() {
     assert_eq!(ended(&reference, &path).await["champion"], after["champion"]);
 }
 
-/// The bug to fear: a cancellation that is acknowledged and undone by the next start.
+/// Guards against: a cancellation that is acknowledged and undone by the next start.
 #[tokio::test]
 async fn a_cancellation_that_cannot_be_kept_is_not_acknowledged() {
     let store = Arc::new(Faulty::default());
@@ -423,9 +423,9 @@ async fn the_oldest_that_have_ended_are_forgotten() {
     assert_eq!((restarted.get(&third).await.code, restarted.get(&fourth).await.code), (200, 404));
 }
 
-/// The bug to fear: an evolution in which nobody ever arrives "succeeds", and what it drew at random is offered for use.
+/// Guards against: an evolution in which no one ever arrives "succeeds", and what it drew at random is offered for use.
 #[tokio::test]
-async fn where_nobody_arrives_an_evolution_fails_and_says_why() {
+async fn where_no_one_arrives_an_evolution_fails_and_says_why() {
     let api = serve(Arc::new(MemoryStore::default())).await;
     let dead = json!({"slip": "none", "link": {"rtt": {"kind": "constant", "rtt_s": 60}}});
     assert_eq!(api.put("/v1/environments/dead", dead).await.code, 201);

@@ -38,7 +38,7 @@ fn changes() -> Vec<Operation> {
     changes
 }
 
-/// A path whose robot there is; nobody else need be there.
+/// A path whose robot there is; no one else need be there.
 fn named(template: &str) -> String {
     let names = [
         ("{robot}", "r"),
@@ -102,7 +102,7 @@ const TEXT: (&str, &str) = ("content-type", "text/plain");
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const PROOF: (&str, &str) = ("x-umwelt-request", "1");
 
-/// The bug to fear: somebody opens a web page, and a robot that was stopped drives.
+/// Guards against: someone opens a web page, and a robot that was stopped drives.
 #[tokio::test]
 async fn what_a_foreign_page_asks_for_is_refused_and_changes_nothing() {
     let api = Api::with_robot().await;
@@ -136,7 +136,7 @@ async fn what_a_foreign_page_asks_for_is_refused_and_changes_nothing() {
     assert_eq!(everything(&api).await, before);
 }
 
-/// The bug to fear: a robot cannot be stopped since the request lacks a header.
+/// Guards against: a robot cannot be stopped since the request lacks a header.
 #[tokio::test]
 async fn programs_and_own_pages_may_ask_for_everything() {
     let programs: [&Headers; 2] = [&[JSON], &[JSON, ("user-agent", "curl/8"), ("accept", "*/*")]];

@@ -124,7 +124,7 @@ fn acknowledged(line: &str) -> Option<(usize, u64)> {
 }
 
 /// Starts a process on `directory`, kills it after `lines` acknowledgements and `after`, and looks at what is there:
-/// no less than what `kept` and this one's acknowledgements say, and at most one turn more, which nobody was told of.
+/// no less than what `kept` and this one's acknowledgements say, and at most one turn more, which no one was told of.
 fn kill(directory: &Path, lines: usize, after: Duration, kept: &mut [u64; WRITERS as usize]) {
     let (mut child, mut output) = start(directory);
     let mut line = String::new();

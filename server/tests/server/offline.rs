@@ -34,11 +34,11 @@ fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).unwrap()
 }
 
-/// The bug to fear: a prior that was drawn at random, in a folder as if it had been found.
+/// Guards against: a prior that was drawn at random, in a folder as if it had been found.
 #[test]
 fn an_evolution_without_fitness_fails_with_the_reason() {
     let directory = tempdir().unwrap();
-    // Nobody is there so soon.
+    // No one is there so soon.
     let request = Request {
         preset: Some(Preset::Quick),
         environments: Some(vec!["bad-link".to_owned()]),
@@ -57,7 +57,7 @@ fn an_evolution_without_fitness_fails_with_the_reason() {
     assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0, "nothing is written");
 }
 
-/// The bugs to fear: a folder that lacks what the report speaks of, a prior that no server takes.
+/// Guards against: a folder that lacks what the report speaks of, a prior that no server takes.
 #[tokio::test]
 async fn the_folder_holds_what_was_found_and_a_server_takes_the_prior() {
     let directory = tempdir().unwrap();

@@ -154,7 +154,7 @@ async fn a_prior_in_use_neither_changes_nor_goes() {
     assert_eq!(api.delete("/v1/priors/dune").await.code, 204);
 }
 
-/// The bug to fear: a robot whose prior goes at the very moment it is given.
+/// Guards against: a robot whose prior goes at the very moment it is given.
 #[tokio::test]
 async fn a_prior_that_is_being_given_cannot_go() {
     let gate = Arc::new(Gate::default());

@@ -65,7 +65,7 @@ fn a_wrong_call_is_2_and_a_failure_is_1() {
     assert!(String::from_utf8_lossy(&output.stderr).contains(&address));
 }
 
-/// The bug to fear: a server that the whole network can drive, started by somebody who never thought of it.
+/// Guards against: a server that the whole network can drive, started by someone who never thought of it.
 #[tokio::test]
 async fn other_machines_are_listened_for_with_a_token_or_at_ones_own_risk() {
     let folder = tempfile::tempdir().unwrap();

@@ -87,7 +87,7 @@ async fn what_a_robot_learns_is_kept_within_some_seconds() {
     assert!(seen[0] < seen[1] && seen[1] < seen[2], "it learns: {seen:?}");
 }
 
-/// The bug to fear: a fleet that drives wears out the card it is kept on. What is little news waits, what is much does not,
+/// Guards against: a fleet that drives wears out the card it is kept on. What is little news waits, what is much does not,
 /// and nothing waits for ever.
 #[tokio::test(start_paused = true)]
 async fn what_robots_learn_is_written_seldom_and_by_how_much_it_is() {
@@ -124,7 +124,7 @@ async fn what_robots_learn_is_written_seldom_and_by_how_much_it_is() {
     assert_eq!(store.saves(), before + 2, "nothing new is not written again");
 }
 
-/// The bug to fear: a change is acknowledged, the server dies at once, and what was learned is gone, or the new task
+/// Guards against: a change is acknowledged, the server dies at once, and what was learned is gone, or the new task
 /// begins where the old one was.
 #[tokio::test(start_paused = true)]
 async fn a_change_keeps_what_was_learned_with_it() {
@@ -152,7 +152,7 @@ async fn a_change_keeps_what_was_learned_with_it() {
     }
 }
 
-/// The bug to fear: what was read off a robot before a change is written after it.
+/// Guards against: what was read off a robot before a change is written after it.
 #[tokio::test(start_paused = true)]
 async fn what_was_learned_for_an_earlier_task_is_never_taken_up() {
     let store = Arc::new(Faulty::default());
@@ -200,7 +200,7 @@ async fn a_store_that_fails_shows_in_readiness_until_it_works_again() {
     }
 }
 
-/// The bug to fear: a robot that was stopped while the disk was full drives on after the next restart.
+/// Guards against: a robot that was stopped while the disk was full drives on after the next restart.
 #[tokio::test(start_paused = true)]
 async fn a_stop_that_could_not_be_kept_is_kept_once_the_store_works_again() {
     let store = Arc::new(Faulty::default());
@@ -211,7 +211,7 @@ async fn a_stop_that_could_not_be_kept_is_kept_once_the_store_works_again() {
     assert_eq!(api.post("/v1/stop").await.code, 200);
     tokio::time::sleep(A_SECOND).await;
     store.set(WORKS);
-    // One that somebody has let go on in the meantime is not stopped again.
+    // One that someone has let go on in the meantime is not stopped again.
     assert_eq!(api.post("/v1/robots/s/resume").await.code, 200);
     tokio::time::sleep(A_SECOND).await;
     let restarted = Api::with(config(), store.clone()).await;
@@ -219,7 +219,7 @@ async fn a_stop_that_could_not_be_kept_is_kept_once_the_store_works_again() {
     assert_eq!(restarted.get("/v1/robots/s").await.json()["stopped"], false);
 }
 
-/// The bug to fear: a server on which nothing happens is ready for ever, whatever its disk does.
+/// Guards against: a server on which nothing happens is ready for ever, whatever its disk does.
 #[tokio::test(start_paused = true)]
 async fn an_idle_server_notices_that_its_store_fails() {
     let store = Arc::new(Faulty::default());
@@ -232,7 +232,7 @@ async fn an_idle_server_notices_that_its_store_fails() {
     assert_eq!(api.get("/readyz").await.code, 200);
 }
 
-/// The bug to fear: an orderly end that waits for ever for a disk.
+/// Guards against: an orderly end that waits for ever for a disk.
 #[tokio::test]
 async fn a_server_ends_although_its_store_hangs() {
     let gate = Arc::new(Gate::default());
@@ -247,7 +247,7 @@ async fn a_server_ends_although_its_store_hangs() {
     ended.expect("it ends").unwrap();
 }
 
-/// The bug to fear: an update of the program that loses evolutions, or ends those that were running.
+/// Guards against: an update of the program that loses evolutions, or ends those that were running.
 #[tokio::test]
 async fn a_data_file_of_version_1_is_taken_up_with_its_evolutions() {
     let directory = tempdir().unwrap();

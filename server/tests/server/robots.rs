@@ -57,7 +57,7 @@ async fn a_task_is_set_replaced_shown_and_cancelled() {
     assert_eq!(api.get("/v1/robots/r").await.json()["task"], Value::Null);
 }
 
-/// The bug to fear: a PUT that is sent again, because its answer was lost, sends the robot back to its first waypoint.
+/// Guards against: a PUT that is sent again, because its answer was lost, sends the robot back to its first waypoint.
 #[tokio::test(start_paused = true)]
 async fn the_very_task_that_is_under_way_goes_on() {
     let api = Api::with_robot().await;
@@ -183,7 +183,7 @@ async fn the_server_says_how_it_is_and_what_it_offers() {
     assert_eq!(contract.json(), serde_json::to_value(umwelt_api::document()).unwrap());
 }
 
-/// The bug to fear: a route of the contract that nobody serves, or one with another method.
+/// Guards against: a route of the contract that no one serves, or one with another method.
 #[tokio::test(start_paused = true)]
 async fn every_route_of_the_contract_is_served() {
     let api = Api::new().await;

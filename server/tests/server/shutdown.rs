@@ -79,7 +79,7 @@ async fn a_robot_that_fetches_nothing_is_not_waited_for_any_longer() {
     has_ended(ended).await;
 }
 
-/// The bug to fear: a stream that never ends, or a client that reads nothing, keeps the server from ending.
+/// Guards against: a stream that never ends, or a client that reads nothing, keeps the server from ending.
 #[tokio::test]
 async fn event_streams_end_with_the_server() {
     let Running { address, stop, ended } = run(Config { close: LONG, ..config() }).await;

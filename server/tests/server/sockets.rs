@@ -75,7 +75,7 @@ async fn http_2_without_tls_is_spoken_on_the_same_port() {
     assert!(replies.iter().all(|reply| reply.starts_with(b"{\"horizon\"")));
 }
 
-/// The bug to fear: connections that say nothing hold all the places, and nobody can drive any more.
+/// Guards against: connections that say nothing hold all the places, and no one can drive any more.
 /// hyper alone waits for ever for the first bytes, and for the rest of a preface of HTTP/2.
 #[tokio::test]
 async fn half_open_connections_are_refused_politely_and_make_room_in_time() {
@@ -119,7 +119,7 @@ async fn a_body_that_is_too_large_is_refused_before_it_is_sent() {
     assert!(answer.starts_with("HTTP/1.1 413"), "{answer}");
 }
 
-/// The bug to fear: clients that ask every now and then lose a request to a connection that was closed without a word.
+/// Guards against: clients that ask every now and then lose a request to a connection that was closed without a word.
 #[tokio::test]
 async fn a_kept_connection_of_http_1_says_how_long_it_may_be_silent_and_is_ended_after_that() {
     let idle = Duration::from_secs(2);
@@ -142,7 +142,7 @@ async fn a_kept_connection_of_http_1_says_how_long_it_may_be_silent_and_is_ended
     assert!(!closing.contains("keep-alive"), "whoever closes needs not know: {closing}");
 }
 
-/// The bug to fear: a header that comes byte by byte holds its place for as long as silence may.
+/// Guards against: a header that comes byte by byte holds its place for as long as silence may.
 #[tokio::test]
 async fn a_header_on_a_kept_connection_has_the_time_of_a_header() {
     let long = Duration::from_secs(3600);

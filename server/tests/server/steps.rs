@@ -63,7 +63,7 @@ async fn a_robot_that_holds_is_told_to_rest_and_shows_at_once() {
     assert_eq!(moves(63, none).await.1, false);
 }
 
-/// The bug to fear: a retry of the transport counts its deliveries twice, or plans anew from the same pose.
+/// Guards against: a retry of the transport counts its deliveries twice, or plans anew from the same pose.
 #[tokio::test(start_paused = true)]
 async fn a_repeat_gets_the_same_bytes_and_changes_nothing() {
     let api = Api::with_robot().await;
@@ -102,7 +102,7 @@ async fn a_late_one_gets_the_newest_horizon_and_teaches_the_link_and_nothing_els
     assert_eq!(samples(&api.state().await[2]), samples(&environment_then));
 }
 
-/// The bug to fear: an overtaken request gets a horizon with a higher number and the robot plays it.
+/// Guards against: an overtaken request gets a horizon with a higher number and the robot plays it.
 #[tokio::test(start_paused = true)]
 async fn however_steps_are_reordered_the_newest_horizon_wins() {
     let api = Api::with_robot().await;
@@ -186,7 +186,7 @@ async fn a_silent_robot_is_lost_but_stays_with_its_last_pose() {
     assert_eq!(api.get("/v1/robots?state=lost").await.json()["robots"], json!([]));
 }
 
-/// The bug to fear: steps pile up behind a busy robot and are answered long after they are of use.
+/// Guards against: steps pile up behind a busy robot and are answered long after they are of use.
 #[tokio::test(start_paused = true)]
 async fn a_flood_of_steps_is_refused_rather_than_queued_and_a_stop_gets_through() {
     let api = Api::with_robot().await;

@@ -19,7 +19,7 @@ use umwelt_server::{Config, Server};
 /// What a stop may take here, where the issue allows 0.3 s: the machine has other things to do.
 const GENEROUS: Duration = Duration::from_secs(5);
 
-/// The bug to fear: a resume that still waits for the disk undoes a stop that was acknowledged in the meantime.
+/// Guards against: a resume that still waits for the disk undoes a stop that was acknowledged in the meantime.
 #[tokio::test]
 async fn a_resume_that_a_stop_has_overtaken_has_no_effect_and_says_so() {
     let gate = Arc::new(Gate::default());
@@ -63,7 +63,7 @@ fn body(answer: &str) -> Value {
     serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap()
 }
 
-/// The bug to fear: a stop is acknowledged while another program holds the store, the server dies, and the robot
+/// Guards against: a stop is acknowledged while another program holds the store, the server dies, and the robot
 /// drives on. And its way back: a resume acknowledged then.
 #[tokio::test]
 async fn words_outlive_the_process_although_the_store_is_held() {
@@ -99,7 +99,7 @@ async fn words_outlive_the_process_although_the_store_is_held() {
     }
 }
 
-/// The bug to fear: a signal that does not end the process, whatever its disk does.
+/// Guards against: a signal that does not end the process, whatever its disk does.
 #[tokio::test]
 async fn a_signal_ends_the_process_although_the_store_is_held() {
     let directory = tempdir().unwrap();
@@ -115,7 +115,7 @@ async fn a_signal_ends_the_process_although_the_store_is_held() {
     assert!(asked.elapsed() < drain + close + GENEROUS, "{:?}", asked.elapsed());
 }
 
-/// The bug to fear: a clock that has counted for long makes a step compute for ever.
+/// Guards against: a clock that has counted for long makes a step compute for ever.
 #[tokio::test(start_paused = true)]
 async fn steps_are_answered_whatever_the_clock_reads_and_however_long_it_paused() {
     let api = Api::with_robot().await;

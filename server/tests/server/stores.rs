@@ -83,7 +83,7 @@ pub(crate) struct Gate {
 }
 
 impl Gate {
-    /// Shuts the gate until what is returned is dropped, so that a test that fails leaves nobody waiting.
+    /// Shuts the gate until what is returned is dropped, so that a test that fails leaves no one waiting.
     pub(crate) fn shut(self: &Arc<Self>) -> Shut {
         *self.is_shut.lock().unwrap() = true;
         Shut(Arc::clone(self))
@@ -168,7 +168,7 @@ async fn what_cannot_be_kept_is_refused_and_robots_drive_on() {
     assert_eq!(api.put("/v1/robots/r", json!({"horizon_slots": 3})).await.code, 200);
 }
 
-/// The bug to fear: a full disk keeps an operator from stopping a robot, or lets it go on.
+/// Guards against: a full disk keeps an operator from stopping a robot, or lets it go on.
 #[tokio::test]
 async fn a_stop_works_without_the_store_and_going_on_does_not() {
     let store = Arc::new(Faulty::default());
@@ -187,7 +187,7 @@ async fn a_stop_works_without_the_store_and_going_on_does_not() {
     }
 }
 
-/// The bug to fear: steps wait behind a write to disk.
+/// Guards against: steps wait behind a write to disk.
 #[tokio::test]
 async fn a_store_that_hangs_slows_neither_steps_nor_stops_nor_other_robots() {
     let gate = Arc::new(Gate::default());

@@ -105,7 +105,7 @@ async fn champions_never_take_a_name_that_is_taken() {
     assert_eq!(api.put("/v1/priors/oasis", flat).await.code, 201, "it is free again");
 }
 
-/// The bug to fear: a client that asks again after a broken connection starts an evolution of hours twice.
+/// Guards against: a client that asks again after a broken connection starts an evolution of hours twice.
 #[tokio::test]
 async fn the_same_key_gives_the_same_evolution_also_after_a_restart() {
     let store = Arc::new(MemoryStore::default());

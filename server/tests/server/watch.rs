@@ -20,7 +20,7 @@ fn is_rest(reply: &Value) -> bool {
     speeds.iter().all(|it| it["left_rad_per_s"] == 0.0 && it["right_rad_per_s"] == 0.0)
 }
 
-/// The bugs to fear: a robot that drives blind for ever and is shown as driving; one that a restart sets in motion again.
+/// Guards against: a robot that drives blind for ever and is shown as driving; one that a restart sets in motion again.
 #[tokio::test(start_paused = true)]
 async fn a_frozen_tracker_brings_the_robot_to_rest_until_it_is_resumed() {
     let store = Arc::new(MemoryStore::default());

@@ -50,7 +50,7 @@ enum Sort {
 
 const SORTS: [Sort; 5] = [Sort::Prior, Sort::Environment, Sort::Robot, Sort::Task, Sort::Stop];
 
-/// One thing: what it may be, as far as somebody can know; none where nobody can.
+/// One thing: what it may be, as far as someone can know; none where no one can.
 #[derive(Debug)]
 struct Thing {
     sort: Sort,
@@ -132,7 +132,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Somebody who knows nothing yet of `server`.
+    /// Someone who knows nothing yet of `server`.
     pub fn new(server: SocketAddr, seed: u64) -> Self {
         let things = SORTS.into_iter().flat_map(|sort| {
             (0..THINGS).map(move |number| Thing { sort, number, may_be: None, stops: 0 })
@@ -168,7 +168,7 @@ impl Facts {
         self.kept
     }
 
-    /// Looks a thing up; false where nobody answers.
+    /// Looks a thing up; false where no one answers.
     async fn look_up(&mut self, index: usize, stops: &AtomicU64) -> bool {
         let before = stops.load(Ordering::SeqCst);
         let path = self.things[index].path();
@@ -208,7 +208,7 @@ impl Facts {
                 let is_kept = answer.json()["kept"] != Value::Bool(false);
                 thing.may_be = is_kept.then(|| vec![change.becomes]);
             }
-            // It was not there: looked up a moment ago, nobody else removes it.
+            // It was not there: looked up a moment ago, no one else removes it.
             Some(answer) if answer.code == 404 && change.method == "DELETE" => {}
             Some(answer) if (400..429).contains(&answer.code) => {
                 self.kept.refused += 1;
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
     use crate::server::Server;
 
-    /// The bug to fear: facts get lost and nobody sees it.
+    /// Guards against: facts get lost and no one sees it.
     #[tokio::test(flavor = "multi_thread")]
     async fn what_is_gone_or_changed_behind_ones_back_is_counted() {
         let server = Server::start();

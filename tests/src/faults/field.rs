@@ -24,7 +24,7 @@ const GOES_ON: f64 = 0.02;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Time in s without a motion after which the operator looks whether it needs a resume.
-const PATIENCE: f64 = 3.0;
+const RETRY_AFTER_S: f64 = 3.0;
 
 /// Time in s after which a robot that has not moved will not: several times what any fault here takes to be over.
 const GIVEN_UP: f64 = 60.0;
@@ -45,7 +45,7 @@ pub struct Field {
     pub robots: Vec<Robot>,
     /// The server.
     pub life: Life,
-    /// Whoever stops all robots holds it, so that nobody resumes one meanwhile.
+    /// Whoever stops all robots holds it, so that no one resumes one meanwhile.
     pub everybody: RwLock<()>,
     /// How often everybody was stopped or resumed.
     pub stops_of_all: AtomicU64,
@@ -152,7 +152,7 @@ impl Field {
     /// Lets a robot go on.
     pub async fn resume(&self, robot: &Robot) {
         robot.body.judge(|judge, now| judge.resumes(now));
-        // Refused or not answered, nobody knows whether it goes on; it is asked again where it does not.
+        // Refused or not answered, no one knows whether it goes on; it is asked again where it does not.
         let _ = self.post(&format!("/v1/robots/{}/resume", robot.id)).await;
     }
 
@@ -190,7 +190,7 @@ impl Field {
 
     /// Resumes a robot that stands; whether it was stopped or had raised an alarm.
     async fn nudge(&self, robot: &Robot) -> bool {
-        let _nobody_stops_all = self.everybody.read().await;
+        let _no_one_stops_all = self.everybody.read().await;
         let Some(shown) = self.look(robot).await else { return false };
         let needed = shown["stopped"] == Value::Bool(true) || alarm(&shown).is_some();
         self.resume(robot).await;
@@ -207,14 +207,14 @@ impl Field {
                 return;
             }
             way = robot.body.way();
-            if self.clock.now() > nudged + PATIENCE {
+            if self.clock.now() > nudged + RETRY_AFTER_S {
                 nudged = self.clock.now();
                 self.nudge(robot).await;
             }
         }
     }
 
-    /// Waits until a robot has moved again after a fault of `kind`. Where another fault comes meanwhile nobody knows
+    /// Waits until a robot has moved again after a fault of `kind`. Where another fault comes meanwhile no one knows
     /// what this one took; whoever `stays` waits all the same.
     pub async fn goes_on(&self, robot: &Robot, kind: Kind, stays: bool) {
         let (way, lifted, before) = (robot.body.way(), self.clock.now(), robot.disturbances());
@@ -230,7 +230,7 @@ impl Field {
                     return self.recovered(kind, None, false);
                 }
                 (last, since, nudged) = (robot.disturbances(), now, now);
-            } else if now > nudged + PATIENCE {
+            } else if now > nudged + RETRY_AFTER_S {
                 resumed |= self.nudge(robot).await;
                 nudged = self.clock.now();
             } else if now > since + GIVEN_UP {

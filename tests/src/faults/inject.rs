@@ -64,7 +64,7 @@ async fn to_robot(field: &Field, robot: &Robot, injection: &Injection) {
     says(field, injection, &robot.id);
     befall(field, robot, injection).await;
     if matches!(injection.kind, Kind::Stop | Kind::StopRace) {
-        let _nobody_stops_all = field.everybody.read().await;
+        let _no_one_stops_all = field.everybody.read().await;
         field.resume(robot).await;
     }
     field.goes_on(robot, injection.kind, true).await;
@@ -103,7 +103,7 @@ async fn befall(field: &Field, robot: &Robot, injection: &Injection) {
         Kind::Duplicate => repeat(field, robot, &mut rng).await,
         Kind::FrozenTracker | Kind::BlockedWheels | Kind::NoPoses => {
             // A robot that is stopped shows nothing.
-            let _nobody_stops_all = field.everybody.read().await;
+            let _no_one_stops_all = field.everybody.read().await;
             match kind {
                 Kind::FrozenTracker => robot.body.freeze(),
                 Kind::BlockedWheels => robot.body.block(),
@@ -119,7 +119,7 @@ async fn befall(field: &Field, robot: &Robot, injection: &Injection) {
             field.stop_holds(robot).await;
         }
         Kind::StopRace => {
-            let _nobody_resumes_all = field.everybody.read().await;
+            let _no_one_resumes_all = field.everybody.read().await;
             for _ in 0..RACES {
                 race(field, robot, RACE_BEGINS + rng.random_range(RACE)).await;
             }
@@ -211,7 +211,7 @@ async fn end(field: &Field) {
 
 /// Everybody is stopped, and resumed after so many s.
 async fn stop_all(field: &Field, lasts: f64) -> bool {
-    let _nobody_resumes = field.everybody.write().await;
+    let _no_one_resumes = field.everybody.write().await;
     field.stop_all().await;
     seconds(lasts).await;
     join_all(field.robots.iter().map(|robot| field.stop_holds(robot))).await;

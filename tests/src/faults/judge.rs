@@ -1,7 +1,7 @@
 //! What one robot must not do, judged by how it truly moves. Times are arguments, in s on one monotonic clock.
 //!
 //! A robot is **blind** where its tracker shows nothing new, its wheels are blocked, or no server can be heard. It may go
-//! on for as long as it plays what it has, and for [`BLIND`] more in which somebody notices. A robot that is slow and does
+//! on for as long as it plays what it has, and for [`BLIND`] more in which someone notices. A robot that is slow and does
 //! not move may be tried faster, and is not blind then. A robot whose stop was acknowledged rests [`STOPS_WITHIN`] later,
 //! until it is resumed.
 //!
@@ -209,7 +209,7 @@ impl Judge {
         self.begins_anew(now);
     }
 
-    /// Somebody begins anew who watches the robot, or it is told anew to drive: who has seen nothing yet cannot know.
+    /// Someone begins anew who watches the robot, or it is told anew to drive: who has seen nothing yet cannot know.
     pub fn begins_anew(&mut self, now: f64) {
         for watched in self.blind.values_mut() {
             (watched.from, watched.moved) = (now, 0.0);
@@ -227,7 +227,7 @@ impl Judge {
         self.begins_anew(now);
     }
 
-    /// Somebody has seen that the robot does not move, and tries it at higher speeds, as motors with a dead band need it:
+    /// Someone has seen that the robot does not move, and tries it at higher speeds, as motors with a dead band need it:
     /// it has that long, once, until it has to rest.
     pub fn is_tried(&mut self, now: f64) {
         let blocked = self.blind.get_mut(&Blindness::BlockedWheels);

@@ -83,7 +83,7 @@ impl Life {
         false
     }
 
-    /// What it said before it ended, where it has ended though nobody told it to.
+    /// What it said before it ended, where it has ended though no one told it to.
     pub fn ended(&self) -> Option<String> {
         let mut process = self.process();
         let status = process.as_mut()?.ended()?;

@@ -70,7 +70,7 @@ pub async fn run(plan: Plan) -> Report {
         facts.prepare().await;
         tokio::spawn(async move {
             let ends = async {
-                // Told, or nobody is there any more to tell.
+                // Told, or no one is there any more to tell.
                 let _ = ends.await;
             };
             facts.run(ends, &field.stops_of_all).await

@@ -21,9 +21,9 @@ pub struct Recoveries {
     pub p90_s: Option<f64>,
     /// The longest.
     pub max_s: Option<f64>,
-    /// Those that needed a resume that nobody had asked for.
+    /// Those that needed a resume that no one had asked for.
     pub resumed: u64,
-    /// Those during which another fault came: nobody knows what they took.
+    /// Those during which another fault came: no one knows what they took.
     pub interrupted: u64,
     /// Robots that did not move again.
     pub missing: u64,
@@ -54,13 +54,13 @@ pub struct Tally {
     pub recoveries: BTreeMap<Kind, Recoveries>,
     /// Stops that were acknowledged as not kept: they act, and need not outlive the server.
     pub stops_not_kept: u64,
-    /// Agents, and servers, that ended though nobody told them to.
+    /// Agents, and servers, that ended though no one told them to.
     pub agents_ended: u64,
     /// See above.
     pub servers_ended: u64,
     /// Servers that did not end in time when told to.
     pub servers_hung: u64,
-    /// Tasks that began anew though nobody told them to.
+    /// Tasks that began anew though no one told them to.
     pub resets: u64,
     /// Names of alarms that were shown, and how often.
     pub alarms: BTreeMap<String, u64>,
@@ -97,7 +97,7 @@ pub struct Report {
     pub servers_ended: u64,
     /// Servers that did not end in time when told to.
     pub servers_hung: u64,
-    /// Tasks that began anew though nobody told them to.
+    /// Tasks that began anew though no one told them to.
     pub resets: u64,
     /// Robots that did not move again after a fault.
     pub not_recovered: u64,

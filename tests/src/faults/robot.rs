@@ -84,7 +84,7 @@ impl Robot {
         *self.agent() = None;
     }
 
-    /// What its agent said before it ended, where it has ended though nobody told it to.
+    /// What its agent said before it ended, where it has ended though no one told it to.
     pub fn agent_ended(&self) -> Option<String> {
         let mut agent = self.agent();
         let status = agent.as_mut()?.ended()?;

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn every_round_has_every_kind_and_nobody_is_left_out() {
+    fn every_round_has_every_kind_and_no_one_is_left_out() {
         let injections = schedule(3, 18 * 20, 20);
         for round in injections.chunks(Kind::ALL.len()) {
             let kinds: BTreeSet<Kind> = round.iter().map(|injection| injection.kind).collect();

@@ -13,7 +13,7 @@ use umwelt_tests::server::Server;
 use umwelt_tests::trace;
 use umwelt_tests::wait;
 
-/// The bug to fear: the agent that lost its robot goes on with its last horizon, or tries again for ever.
+/// Guards against: the agent that lost its robot goes on with its last horizon, or tries again for ever.
 #[tokio::test]
 async fn an_agent_that_is_taken_over_stops_its_robot_and_ends() {
     let server = Server::start();
@@ -31,7 +31,7 @@ async fn an_agent_that_is_taken_over_stops_its_robot_and_ends() {
     second.end().await;
 }
 
-/// The bug to fear: a stop that is forgotten with the next pose, or a resume that jumps to full speed.
+/// Guards against: a stop that is forgotten with the next pose, or a resume that jumps to full speed.
 #[tokio::test]
 async fn a_robot_that_is_stopped_rests_until_it_is_resumed() {
     let server = Server::start();
@@ -57,7 +57,7 @@ async fn a_robot_that_is_stopped_rests_until_it_is_resumed() {
     trace::assert_within_limits(&rows, &Drive::default());
 }
 
-/// The bug to fear: a robot that falls silent disappears from the list, and nobody looks for it.
+/// Guards against: a robot that falls silent disappears from the list, and no one looks for it.
 #[tokio::test]
 async fn a_lost_robot_stays_listed_with_its_last_pose() {
     let server = Server::start_with(&["--lost-after-s", "0.3"]);
@@ -87,7 +87,7 @@ async fn a_lost_robot_stays_listed_with_its_last_pose() {
     assert_eq!(next_state().await, State::Connected);
 }
 
-/// The bug to fear: an agent that cannot stop without the server's consent.
+/// Guards against: an agent that cannot stop without the server's consent.
 #[tokio::test]
 async fn an_agent_whose_server_dies_stops_its_robot() {
     let server = Server::start();

@@ -78,7 +78,7 @@ type Change = fn(&mut Value);
 /// Names and values.
 type Headers = &'static [(&'static str, &'static str)];
 
-/// The bug to fear: a field that nobody checks reaches the controller and moves the robot, or ends its task.
+/// Guards against: a field that no one checks reaches the controller and moves the robot, or ends its task.
 #[tokio::test]
 async fn a_step_that_means_nothing_is_refused_and_changes_nothing() {
     let server = Server::start();
@@ -183,7 +183,7 @@ async fn a_step_that_means_nothing_is_refused_and_changes_nothing() {
     assert_eq!(next.horizon.answers, 4);
 }
 
-/// The bug to fear: people who set up a robot are told of one mistake at a time.
+/// Guards against: people who set up a robot are told of one mistake at a time.
 #[tokio::test]
 async fn all_problems_are_told_at_once() {
     let server = Server::start();
@@ -250,7 +250,7 @@ async fn all_problems_are_told_at_once() {
     }
 }
 
-/// The bug to fear: a body that is refused unread costs the agent its answer, or the server its memory.
+/// Guards against: a body that is refused unread costs the agent its answer, or the server its memory.
 #[tokio::test]
 async fn a_body_that_is_too_large_is_refused_with_words() {
     let server = Server::start();
@@ -278,7 +278,7 @@ async fn a_body_that_is_too_large_is_refused_with_words() {
     assert_eq!(answer.code, 200, "the largest is taken: {answer:?}");
 }
 
-/// The bug to fear: an id that is none makes a robot that no one can name again, or a path that leads elsewhere.
+/// Guards against: an id that is none makes a robot that no one can name again, or a path that leads elsewhere.
 #[tokio::test]
 async fn ids_and_paths_that_are_none_are_refused() {
     let server = Server::start();

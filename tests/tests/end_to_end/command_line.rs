@@ -5,7 +5,7 @@ use umwelt_tests::rover::{Agent, Simulated, id};
 use umwelt_tests::said::{call, umwelt};
 use umwelt_tests::server::Server;
 
-/// The bug to fear: a command that works in its own tests and not against the server.
+/// Guards against: a command that works in its own tests and not against the server.
 #[tokio::test]
 async fn a_robot_is_described_sent_watched_and_removed_from_the_command_line() {
     let server = Server::start();
@@ -28,7 +28,7 @@ async fn a_robot_is_described_sent_watched_and_removed_from_the_command_line() {
     assert_eq!(umwelt(&server, "robot list").await["robots"], Value::Array(Vec::new()));
 }
 
-/// The bug to fear: a script goes on after a call that failed, or cannot tell its own mistake from the world's.
+/// Guards against: a script goes on after a call that failed, or cannot tell its own mistake from the world's.
 #[tokio::test]
 async fn what_fails_returns_1_what_was_wrong_returns_2_and_both_say_why() {
     let server = Server::start();
@@ -66,7 +66,7 @@ async fn what_fails_returns_1_what_was_wrong_returns_2_and_both_say_why() {
     }
 }
 
-/// The bug to fear: `--watch` ends before the robot is there, or never.
+/// Guards against: `--watch` ends before the robot is there, or never.
 #[tokio::test]
 async fn a_watched_task_ends_with_the_arrival() {
     let server = Server::start();

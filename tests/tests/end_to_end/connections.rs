@@ -1,4 +1,4 @@
-//! Connections that stall, half open or half said, disturb nobody else; and the end of the server.
+//! Connections that stall, half open or half said, disturb no one else; and the end of the server.
 
 use super::{describe, straight_to};
 use std::net::SocketAddr;
@@ -25,9 +25,9 @@ async fn stall(server: SocketAddr, said: &str) -> TcpStream {
     stream
 }
 
-/// The bug to fear: whoever begins a request and does not end it takes the place of a robot.
+/// Guards against: whoever begins a request and does not end it takes the place of a robot.
 #[tokio::test]
-async fn half_said_requests_block_nobody_and_are_ended() {
+async fn half_said_requests_block_no_one_and_are_ended() {
     let server = Server::start_with(&["--header-timeout-s", "3", "--body-timeout-s", "3"]);
     let robot = describe(&server.client, "rover-7").await;
     let body = "POST /v1/robots/rover-7/step HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 500\r\n\r\n{\"seq";
@@ -61,9 +61,9 @@ async fn half_said_requests_block_nobody_and_are_ended() {
     assert_eq!(next.horizon.answers, 51);
 }
 
-/// The bug to fear: the server waits for a client that is gone without a word, and the robots with it.
+/// Guards against: the server waits for a client that is gone without a word, and the robots with it.
 #[tokio::test]
-async fn half_open_connections_block_nobody() {
+async fn half_open_connections_block_no_one() {
     let server = Server::start();
     let robot = describe(&server.client, "rover-7").await;
     let dead = describe(&server.client, "rover-8").await;
@@ -97,7 +97,7 @@ async fn half_open_connections_block_nobody() {
     drop(events);
 }
 
-/// The bug to fear: a server that cannot be ended while somebody is connected, and is killed in the end.
+/// Guards against: a server that cannot be ended while someone is connected, and is killed in the end.
 #[tokio::test]
 async fn sigterm_ends_the_server_with_0_whoever_is_connected() {
     let mut server = Server::start();
@@ -112,7 +112,7 @@ async fn sigterm_ends_the_server_with_0_whoever_is_connected() {
     assert_eq!(server.process.lines().len(), 1, "nothing but the address on standard output");
 }
 
-/// The bug to fear: clients are generated from a contract that the server does not serve.
+/// Guards against: clients are generated from a contract that the server does not serve.
 #[tokio::test]
 async fn the_contract_served_is_the_one_checked_in() {
     let server = Server::start();

@@ -19,7 +19,7 @@ async fn refused(data: &str) -> Said {
     said
 }
 
-/// The bug to fear: a copy of a moving thing, of which half is from before and half from after, or none at all.
+/// Guards against: a copy of a moving thing, of which half is from before and half from after, or none at all.
 #[tokio::test]
 async fn a_backup_while_everything_goes_on_is_a_server_of_its_own() {
     let data = Data::new();
@@ -73,7 +73,7 @@ async fn a_backup_while_everything_goes_on_is_a_server_of_its_own() {
     agent.end().await;
 }
 
-/// The bug to fear: two servers write into one file, or the second ends the first.
+/// Guards against: two servers write into one file, or the second ends the first.
 #[tokio::test]
 async fn a_second_server_on_the_same_data_is_refused() {
     let data = Data::new();
@@ -86,7 +86,7 @@ async fn a_second_server_on_the_same_data_is_refused() {
     get(&server, "/v1/robots/rover-7").await;
 }
 
-/// The bug to fear: a server that begins anew where it cannot read what it had, or that takes in what it cannot keep.
+/// Guards against: a server that begins anew where it cannot read what it had, or that takes in what it cannot keep.
 #[tokio::test]
 async fn data_that_cannot_be_used_is_refused_and_left_as_it_is() {
     let damaged = Data::new();

@@ -27,7 +27,7 @@ async fn stop_and_resume(client: &Client, robot: &RobotId) {
     client.resume(robot).await.unwrap();
 }
 
-/// The bug to fear: whoever reconnects sees an event twice, or never.
+/// Guards against: whoever reconnects sees an event twice, or never.
 #[tokio::test]
 async fn a_stream_resumes_behind_the_last_event() {
     let server = Server::start();
@@ -61,7 +61,7 @@ async fn a_stream_resumes_behind_the_last_event() {
     assert_eq!(next(&mut events).await.kind, Kind::Missed);
 }
 
-/// The bug to fear: a follower over a bad link believes that nothing happened while it was away.
+/// Guards against: a follower over a bad link believes that nothing happened while it was away.
 #[tokio::test]
 async fn a_follower_whose_connection_breaks_misses_nothing() {
     let server = Server::start();

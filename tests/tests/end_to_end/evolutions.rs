@@ -84,7 +84,7 @@ async fn umwelt_text(server: &Server, arguments: &str) -> Said {
     call_within("umwelt", &all, EVOLUTION).await
 }
 
-/// The bug to fear: the watching ends before there is a report, or never, or a script cannot read it.
+/// Guards against: the watching ends before there is a report, or never, or a script cannot read it.
 #[tokio::test]
 async fn a_watched_evolution_ends_with_its_report_and_its_prior_can_be_used() {
     let server = Server::start();
@@ -129,7 +129,7 @@ async fn a_watched_evolution_ends_with_its_report_and_its_prior_can_be_used() {
     assert_eq!(umwelt_text(&server, "prior show tried").await.code, Some(1));
 }
 
-/// The bug to fear: one polls an evolution that nothing can end, or a cancelled one goes on in the background.
+/// Guards against: one polls an evolution that nothing can end, or a cancelled one goes on in the background.
 #[tokio::test]
 async fn an_evolution_is_submitted_polled_and_cancelled_and_the_next_has_its_turn() {
     let server = Server::start();
@@ -154,7 +154,7 @@ async fn an_evolution_is_submitted_polled_and_cancelled_and_the_next_has_its_tur
     assert_eq!(gone.code, 404, "{gone:?}");
 }
 
-/// The bug to fear: who asks again because the server died gets a second evolution.
+/// Guards against: who asks again because the server died gets a second evolution.
 #[tokio::test]
 async fn a_key_means_one_evolution_also_after_the_server_was_killed() {
     let data = Data::new();
@@ -183,7 +183,7 @@ async fn a_key_means_one_evolution_also_after_the_server_was_killed() {
     assert_eq!(last.json()["evolution"], "evolution-3", "a number never comes back");
 }
 
-/// The bug to fear: a champion that cannot be had again, or that depends on where it was looked for.
+/// Guards against: a champion that cannot be had again, or that depends on where it was looked for.
 #[tokio::test]
 async fn the_same_seed_gives_the_same_champion_everywhere() {
     let flags = small_flags(5);
@@ -202,7 +202,7 @@ async fn the_same_seed_gives_the_same_champion_everywhere() {
     assert_ne!(first["champion"], other["champion"], "another seed, another champion");
 }
 
-/// The bug to fear: the server waits for the evolution, or the evolution begins anew with the next server.
+/// Guards against: the server waits for the evolution, or the evolution begins anew with the next server.
 #[tokio::test]
 async fn sigterm_in_the_middle_of_an_evolution_ends_the_server_soon_and_the_next_goes_on() {
     let data = Data::new();
@@ -221,7 +221,7 @@ async fn sigterm_in_the_middle_of_an_evolution_ends_the_server_soon_and_the_next
     assert_eq!((&on["interrupted"], &on["state"]), (&json!(1), &json!("running")));
 }
 
-/// The bug to fear: figures that no program opens, or that show nothing.
+/// Guards against: figures that no program opens, or that show nothing.
 #[tokio::test]
 async fn figures_are_files_that_programs_can_read() {
     let server = Server::start();

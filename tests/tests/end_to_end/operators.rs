@@ -12,7 +12,7 @@ fn assert_is_mismatch(error: &Error) {
     assert_eq!(error.problem().unwrap().details[0].reason, "ETAG_MISMATCH", "{error}");
 }
 
-/// The bug to fear: two people describe a robot at once and one of them drives with the other's wheels.
+/// Guards against: two people describe a robot at once and one of them drives with the other's wheels.
 #[tokio::test]
 async fn what_has_changed_meanwhile_is_not_overwritten() {
     let server = Server::start();
@@ -39,7 +39,7 @@ async fn what_has_changed_meanwhile_is_not_overwritten() {
     assert_eq!(client.get_task(&robot).await.unwrap().spec, straight_to(0.4));
 }
 
-/// The bug to fear: the version in the header is not the one in the body, and neither can be sent back.
+/// Guards against: the version in the header is not the one in the body, and neither can be sent back.
 #[tokio::test]
 async fn the_version_in_the_header_is_the_one_in_the_body() {
     let server = Server::start();

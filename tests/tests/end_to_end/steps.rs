@@ -12,7 +12,7 @@ fn seen_at(x_m: f64, request: Request) -> Request {
     request
 }
 
-/// The bug to fear: a request that the link sends twice is driven twice, or gets another answer the second time.
+/// Guards against: a request that the link sends twice is driven twice, or gets another answer the second time.
 #[tokio::test]
 async fn a_repeat_gets_the_answer_that_it_got() {
     let server = Server::start();
@@ -38,7 +38,7 @@ async fn a_repeat_gets_the_answer_that_it_got() {
     assert_eq!(link.samples, 0);
 }
 
-/// The bug to fear: a packet that was held up brings back an old pose, or an old horizon with a new number.
+/// Guards against: a packet that was held up brings back an old pose, or an old horizon with a new number.
 #[tokio::test]
 async fn a_late_step_teaches_the_link_and_changes_nothing_else() {
     let server = Server::start();
@@ -69,7 +69,7 @@ async fn a_late_step_teaches_the_link_and_changes_nothing_else() {
     assert_eq!((next.horizon.answers, next.horizon.sequence), (6, 6));
 }
 
-/// The bug to fear: after a restart of the robot's computer its clock begins at 0 and every pose is "old".
+/// Guards against: after a restart of the robot's computer its clock begins at 0 and every pose is "old".
 #[tokio::test]
 async fn a_robot_whose_clock_restarts_goes_on_in_a_new_epoch() {
     let server = Server::start();
@@ -102,7 +102,7 @@ async fn a_robot_whose_clock_restarts_goes_on_in_a_new_epoch() {
     assert!(after.pose.is_some_and(|pose| pose.taken_s < 1.0), "{after:?}");
 }
 
-/// The bug to fear: two agents drive one robot in turns.
+/// Guards against: two agents drive one robot in turns.
 #[tokio::test]
 async fn a_second_agent_takes_over_and_the_first_is_told() {
     let server = Server::start();

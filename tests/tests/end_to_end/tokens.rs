@@ -1,4 +1,4 @@
-//! A server with a token: operators and robots that have it work as ever, all others get nothing, and nobody ever shows it.
+//! A server with a token: operators and robots that have it work as ever, all others get nothing, and no one ever shows it.
 
 use super::{describe, straight_to};
 use std::fs;
@@ -14,9 +14,9 @@ use umwelt_tests::wait;
 const SECRET: &str = "kept-by-operators-and-robots-alone";
 const WRONG: &str = "kept-by-operators-and-robots-alonE";
 
-/// The bug to fear: a part of the system that cannot show its token, or shows it to everybody.
+/// Guards against: a part of the system that cannot show its token, or shows it to everybody.
 #[tokio::test]
-async fn whoever_has_the_token_drives_and_nobody_else_and_it_is_never_shown() {
+async fn whoever_has_the_token_drives_and_no_one_else_and_it_is_never_shown() {
     let folder = Data::new();
     let (right, wrong) = (folder.file("token"), folder.file("wrong"));
     fs::write(&right, format!("{SECRET}\n")).unwrap();

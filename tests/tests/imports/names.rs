@@ -115,7 +115,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Reads tokens that nobody has parsed: every `a::b::c` in them is a path, unless it stands behind a dot.
+    /// Reads tokens that no one has parsed: every `a::b::c` in them is a path, unless it stands behind a dot.
     fn read_tokens(&mut self, tokens: TokenStream) {
         let (mut path, mut colons, mut is_behind_dot) = (Vec::new(), 0, false);
         for token in tokens {

@@ -101,7 +101,7 @@ fn median(runs: &[Run], of: impl Fn(&Run) -> f64) -> f64 {
     values[values.len() / 2]
 }
 
-/// The bug to fear: agent or server lose a slot, hold a reply, stamp a pose wrongly; everything still arrives, and
+/// Guards against: agent or server lose a slot, hold a reply, stamp a pose wrongly; everything still arrives, and
 /// what the simulation says about methods and links is not true of any robot.
 ///
 /// Time and deviation within the limits of the issue. They forgive much where a horizon of 20 slots bridges the delay,

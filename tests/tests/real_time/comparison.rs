@@ -92,7 +92,7 @@ fn the_test_of_ranks_is_exact() {
     assert!(chance(&[20.0, 60.0, 90.0, 110.0, 150.0, 180.0], &many) > 0.5);
 }
 
-/// The bug to fear: a comparison that is true of its simulation alone. The thesis's bad link, calibration first; the
+/// Guards against: a comparison that is true of its simulation alone. The thesis's bad link, calibration first; the
 /// method that it suffers with most, and the one that bridges it.
 #[tokio::test(flavor = "multi_thread")]
 async fn real_runs_fall_within_the_simulated_distribution() {

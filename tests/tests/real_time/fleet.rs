@@ -38,7 +38,7 @@ async fn elapsed(server: &Server, robot: &RobotId, agent: &mut Agent) -> f64 {
     server.client.get_task(robot).await.unwrap().progress.elapsed_s
 }
 
-/// The bug to fear: the server waits for the robot that does not answer, and all the others creep.
+/// Guards against: the server waits for the robot that does not answer, and all the others creep.
 #[tokio::test(flavor = "multi_thread")]
 async fn one_dead_link_among_ten_robots_disturbs_no_other() {
     let server = Server::start();

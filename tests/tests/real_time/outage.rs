@@ -14,7 +14,7 @@ const OUTAGE: Duration = Duration::from_secs(20);
 const GOAL: f64 = 0.6;
 const CUT: f64 = 0.15;
 
-/// The bug to fear: a robot that drives on without its link, stops with a jerk, or waits for a person afterwards.
+/// Guards against: a robot that drives on without its link, stops with a jerk, or waits for a person afterwards.
 ///
 /// One robot's connections stay open and silent, the other's are reset and its new ones stay silent.
 #[tokio::test(flavor = "multi_thread")]

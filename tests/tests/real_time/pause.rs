@@ -13,7 +13,7 @@ const PAUSE: Duration = Duration::from_secs(5);
 /// Where the task ends, in m.
 const GOAL: f64 = 0.5;
 
-/// The bug to fear: a server that was suspended takes its robots for lost or their requests of then for those of now,
+/// Guards against: a server that was suspended takes its robots for lost or their requests of then for those of now,
 /// or the robot takes old horizons for new ones.
 #[tokio::test(flavor = "multi_thread")]
 async fn the_server_is_paused_for_five_seconds_under_a_moving_robot() {

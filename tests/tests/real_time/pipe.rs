@@ -121,7 +121,7 @@ impl Script {
     }
 }
 
-/// The bug to fear: the one way in which a real robot is attached works in no other than the author's hands: with a
+/// Guards against: the one way in which a real robot is attached works in no other than the author's hands: with a
 /// camera whose frames keep step with the slots, and a delay that fills up the nominal one.
 #[tokio::test(flavor = "multi_thread")]
 async fn robots_behind_pipes_go_there_and_back() {
@@ -155,7 +155,7 @@ async fn robots_behind_pipes_go_there_and_back() {
     }
 }
 
-/// The bug to fear: the camera's program dies and the robot drives on.
+/// Guards against: the camera's program dies and the robot drives on.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_robot_whose_poses_end_ramps_to_rest() {
     let server = Server::start();

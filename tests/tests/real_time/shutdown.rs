@@ -11,7 +11,7 @@ use umwelt_tests::trace;
 /// 0.43 s, and as much again. Without a stopping horizon it is 1.5 s.
 const STOPPED_BY_SERVER: f64 = 1.2;
 
-/// The bug to fear: an agent that ends leaves its motors as they were, or stops them with a jerk.
+/// Guards against: an agent that ends leaves its motors as they were, or stops them with a jerk.
 #[tokio::test(flavor = "multi_thread")]
 async fn sigterm_to_an_agent_leaves_a_stopped_robot() {
     let drive = Drive::default();
@@ -29,7 +29,7 @@ async fn sigterm_to_an_agent_leaves_a_stopped_robot() {
     assert!(last.time < last_seen + 2.0, "it took {} s", last.time - last_seen);
 }
 
-/// The bug to fear: a server that ends leaves its robots to their watchdogs, or waits for them for ever.
+/// Guards against: a server that ends leaves its robots to their watchdogs, or waits for them for ever.
 #[tokio::test(flavor = "multi_thread")]
 async fn sigterm_to_the_server_stops_its_robots_first() {
     let mut server = Server::start();

@@ -86,7 +86,7 @@ mod tests {
         asked.lock().unwrap().clone()
     }
 
-    /// The bugs to fear: "task set" after the arrival does nothing, or sends a robot that is under way back to its start.
+    /// Guards against: "task set" after the arrival does nothing, or sends a robot that is under way back to its start.
     #[tokio::test]
     async fn a_task_that_is_done_is_driven_again_and_one_under_way_goes_on() {
         let set = ["GET", "PUT"].as_slice();

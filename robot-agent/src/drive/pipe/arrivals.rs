@@ -21,7 +21,7 @@ const STALE: f64 = 0.5;
 /// Time in s over which not even the freshest pose is fresher than [`STALE`].
 const WATCHED: f64 = 1.0;
 
-/// Time in s between two lines about the same thing: it lasts until somebody changes the tracker.
+/// Time in s between two lines about the same thing: it lasts until someone changes the tracker.
 const QUIET: f64 = 10.0;
 
 /// What is wrong with how poses arrive.

@@ -15,7 +15,7 @@ pub(super) const MAX_LINE: usize = 1024;
 /// A pose at most this far in the future, in s, was taken now: the tracker rounds its stamps.
 pub(super) const FUTURE: f64 = 0.010;
 
-/// A pose older than this in s helps nobody: the controller predicts no pose farther ahead.
+/// A pose older than this in s helps no one: the controller predicts no pose farther ahead.
 pub(super) const TOO_OLD: f64 = 2.0;
 
 /// A piece of input, as the splitter finds it.

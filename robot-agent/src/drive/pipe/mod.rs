@@ -41,7 +41,7 @@ const PIPE_SIZE: usize = 4096;
 /// Longest time to let the last zeros out at the end.
 const LAST_WRITE: Duration = Duration::from_millis(500);
 
-/// Pause before a read is tried again on an input that somebody has set to non-blocking.
+/// Pause before a read is tried again on an input that someone has set to non-blocking.
 const RETRY: Duration = Duration::from_millis(2);
 
 /// A robot behind two pipes. Run it on [`Clock::host`](crate::Clock::host): its stamps are the host's.
@@ -92,7 +92,7 @@ impl Pipe {
             .spawn(move || read_lines(reader, &to_lines))?;
         std::thread::Builder::new().name("speeds".into()).spawn(move || {
             if taker.write_to(writer).is_ok() {
-                // Nobody may be waiting any more.
+                // No one may be waiting any more.
                 let _ = done.send(());
             }
         })?;
@@ -213,7 +213,7 @@ impl Drive for Pipe {
     }
 }
 
-/// Reads lines until the end, an error, or nobody who wants them.
+/// Reads lines until the end, an error, or no one who wants them.
 fn read_lines(mut reader: impl Read, lines: &mpsc::Sender<Line>) {
     let (mut splitter, mut bytes) = (Splitter::default(), [0; 4096]);
     loop {

@@ -26,7 +26,7 @@ const KEPT: usize = 8;
 /// suspended: that time proves nothing.
 const COUNTED: f64 = 2.0 * SLOT;
 
-/// Pause before a write is tried again on an output that somebody has set to non-blocking, as some shells do.
+/// Pause before a write is tried again on an output that someone has set to non-blocking, as some shells do.
 const RETRY: Duration = Duration::from_millis(2);
 
 /// What is written.
@@ -84,7 +84,7 @@ struct Waiting {
 
 type Place = Arc<Mutex<Waiting>>;
 
-/// Puts lines; a newer one replaces those that nobody has taken in time.
+/// Puts lines; a newer one replaces those that no one has taken in time.
 #[derive(Debug)]
 pub(super) struct Putter {
     place: Place,
@@ -122,7 +122,7 @@ impl Putter {
     /// Puts a line at robot time `now`. It never waits.
     ///
     /// # Errors
-    /// Where nobody takes lines any more, or none has been taken for [`BLOCKED`] s.
+    /// Where no one takes lines any more, or none has been taken for [`BLOCKED`] s.
     pub(super) fn put(&mut self, now: f64, line: Vec<u8>) -> Result<(), DriveError> {
         let mut waiting = self.place.lock().unwrap_or_else(PoisonError::into_inner);
         let is_stuck = !waiting.lines.is_empty() && waiting.taken == self.taken;
@@ -161,7 +161,7 @@ impl Taker {
         }
     }
 
-    /// Writes each line at once, until there are no more or nobody reads them.
+    /// Writes each line at once, until there are no more or no one reads them.
     ///
     /// # Errors
     /// What the writer says.
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_newest_line_replaces_those_that_nobody_took_in_time() {
+    async fn the_newest_line_replaces_those_that_no_one_took_in_time() {
         let (mut putter, mut taker) = newest_line();
         for line in ["one", "two"] {
             putter.put(0.0, line.into()).unwrap();

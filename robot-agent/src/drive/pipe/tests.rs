@@ -266,7 +266,7 @@ async fn one_reply_drives_no_robot_for_long() {
     }
 }
 
-/// Neither a horizon of a far future nor one that nobody asked for moves the robot, now or later.
+/// Neither a horizon of a far future nor one that no one asked for moves the robot, now or later.
 #[tokio::test(start_paused = true)]
 async fn a_horizon_that_cannot_be_meant_moves_nothing() {
     let far = |request: &step::Request| Horizon {
@@ -280,7 +280,7 @@ async fn a_horizon_that_cannot_be_meant_moves_nothing() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn an_output_that_nobody_reads_stops_the_run() {
+async fn an_output_that_no_one_reads_stops_the_run() {
     let (pipe, ends) = pipe();
     let clock = Clock::start();
     let error = run(config(), always(0.1, 0.3), pipe, clock, std::future::pending()).await;

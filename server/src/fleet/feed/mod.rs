@@ -1,7 +1,7 @@
 //! What happens, for those who follow it: a bounded ring of events per robot, and one of all robots.
 //!
 //! Followers pull: each has its own place and reads from the ring when its connection takes more. So a slow
-//! follower costs nothing and blocks nobody; when the ring has run over its place, it is told that it missed some.
+//! follower costs nothing and blocks no one; when the ring has run over its place, it is told that it missed some.
 //! An event is written when the first of them reads it, and once for all of them.
 
 mod entry;
@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(ids(&mut feed.all().follow(Some(BEGIN + 6))), [BEGIN + 7, BEGIN + 8]);
     }
 
-    /// The bug to fear: a slow follower goes on as if nothing had happened, or holds up the robot.
+    /// Guards against: a slow follower goes on as if nothing had happened, or holds up the robot.
     #[test]
     fn one_that_is_too_slow_is_told_what_it_missed_and_goes_on() {
         let (feed, ring, robot) = feed();
@@ -254,9 +254,9 @@ mod tests {
         assert!(matches!(follower.next().now_or_never(), Some(None)), "it ends rather than waits");
     }
 
-    /// The bug to fear: an event that costs as much as there are followers, or something when nobody follows.
+    /// Guards against: an event that costs as much as there are followers, or something when no one follows.
     #[test]
-    fn an_event_is_made_and_written_once_for_all_and_not_at_all_for_nobody() {
+    fn an_event_is_made_and_written_once_for_all_and_not_at_all_for_no_one() {
         let (feed, ring, robot) = feed();
         let made = Arc::new(AtomicUsize::new(0));
         let count = Arc::clone(&made);

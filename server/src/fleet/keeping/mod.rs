@@ -230,7 +230,7 @@ impl Fleet {
         self.commit_as_they_are(robots).await
     }
 
-    /// The same for those whose records nobody else writes meanwhile.
+    /// The same for those whose records no one else writes meanwhile.
     async fn commit_as_they_are(&self, robots: &[Arc<Robot>]) -> Result<(), Failure> {
         let there: Vec<_> = robots.iter().filter(|robot| !robot.snapshot().is_removed()).collect();
         let orders: Vec<_> = there.iter().map(|robot| robot.brake().order()).collect();

@@ -311,7 +311,7 @@ fn play(ops: Vec<Op>, with_journal: bool) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
 
-    /// The bugs to fear: a resume that undoes a later stop, in the robot, in the journal or in the store; a word that is
+    /// Guards against: a resume that undoes a later stop, in the robot, in the journal or in the store; a word that is
     /// acknowledged and gone after a crash; one that comes back from the journal after another took its place.
     #[test]
     fn the_last_acknowledged_word_holds_whatever_happens(

@@ -19,7 +19,7 @@ impl Stops {
         if let Some((_, word)) = self.words.last.get(id) {
             record.stopped = *word == Word::Stop;
         }
-        // Somebody was stopped, and nobody knows who.
+        // Someone was stopped, and no one knows who.
         record.stopped |= self.words.is_damaged;
     }
 }

@@ -43,7 +43,7 @@ impl Brake {
         *self.lock()
     }
 
-    /// Says a change while nobody else can make one, so that events come in the order of what they say.
+    /// Says a change while no one else can make one, so that events come in the order of what they say.
     fn tell(&self, ring: &Arc<Ring>, was_stopped: bool, now: StopOrder) {
         if was_stopped != now.is_stopped() {
             let kind = if now.is_stopped() { Kind::Stopped } else { Kind::Resumed };

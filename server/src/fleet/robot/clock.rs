@@ -70,7 +70,7 @@ mod tests {
     }
 
     proptest! {
-        /// The bug to fear: a pose that comes back with another time than it was sent with.
+        /// Guards against: a pose that comes back with another time than it was sent with.
         #[test]
         fn what_was_sent_comes_back_to_the_last_digit(
             first in -1e9..1e9f64, later in 0.0..86_400.0f64, age in 0.0..1.0f64,
@@ -86,7 +86,7 @@ mod tests {
             prop_assert!(taken.abs() < 1.0 || back == taken);
         }
 
-        /// The bug to fear: a robot that drives otherwise because its clock has counted for long.
+        /// Guards against: a robot that drives otherwise because its clock has counted for long.
         #[test]
         fn however_much_a_clock_has_counted_the_robot_is_told_the_same(
             seconds in prop_oneof![-1_000_000_000i32..1_000_000_000, Just(1 << 29), Just(849_000_000)],

@@ -15,7 +15,7 @@ pub(crate) type StepResult = Result<Arc<Reply>, Refusal>;
 pub(crate) enum Event {
     /// Its agent sent a step.
     Step { request: Box<Request>, epoch: u64, reply: oneshot::Sender<StepResult> },
-    /// Somebody told it something; `done` once it shows.
+    /// Someone told it something; `done` once it shows.
     Command { command: Command, done: oneshot::Sender<()> },
     /// It has been silent for too long.
     Silence,

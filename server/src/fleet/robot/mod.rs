@@ -174,7 +174,7 @@ impl Robot {
         if self.has_failed() { Err(self.stuck()) } else { Ok(()) }
     }
 
-    /// Sees to it that nobody else changes what is kept of the robot until the guard is dropped. Returns the guard with
+    /// Sees to it that no one else changes what is kept of the robot until the guard is dropped. Returns the guard with
     /// the robot as it is now; a robot that was removed meanwhile cannot be changed.
     pub(crate) async fn lock(&self) -> Result<(MutexGuard<'_, ()>, Arc<Snapshot>), Failure> {
         let guard = self.writing.lock().await;
@@ -329,8 +329,8 @@ mod tests {
         }
     }
 
-    /// A robot that rests because the server ends was not stopped: somebody who looks then and resumes it after the
-    /// restart would look for a stop that nobody made.
+    /// A robot that rests because the server ends was not stopped: someone who looks then and resumes it after the
+    /// restart would look for a stop that no one made.
     #[tokio::test]
     async fn a_robot_that_is_drained_does_not_show_as_stopped() {
         let robot = Robot::dead("r").await;
@@ -343,7 +343,7 @@ mod tests {
         assert!(!robot.snapshot().is_stopped());
     }
 
-    /// The bug to fear: callers that wait for ever for a task that has gone, or see it drive on.
+    /// Guards against: callers that wait for ever for a task that has gone, or see it drive on.
     #[tokio::test]
     async fn a_robot_whose_task_has_died_says_so_and_shows_as_lost() {
         let robot = Robot::dead("r").await;
@@ -353,7 +353,7 @@ mod tests {
         assert_eq!(robot.snapshot().state(), umwelt_api::robot::State::Lost);
         robot.drained().await;
     }
-    /// The bug to fear: a change that is kept as something else than what the robot makes of it.
+    /// Guards against: a change that is kept as something else than what the robot makes of it.
     #[tokio::test]
     async fn what_is_kept_of_a_change_is_what_the_robot_makes_of_it() {
         let robot = Robot::spawn("r".parse().unwrap(), record(), None, None, common());

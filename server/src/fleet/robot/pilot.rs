@@ -79,7 +79,7 @@ impl Pace {
     }
 }
 
-/// Lets events happen to the robot until it is removed or nobody holds its queue any more: one each time that its turn
+/// Lets events happen to the robot until it is removed or no one holds its queue any more: one each time that its turn
 /// comes, so that a robot with much to do does not hold up the others.
 pub(super) async fn run(mut pilot: Pilot, mut queue: mpsc::Receiver<Event>) {
     while let Some(event) = queue.recv().await {
@@ -317,7 +317,7 @@ impl Pilot {
         self.common.feed.publish(&self.ring, &self.id, what);
     }
 
-    /// What is identified now, made from the belief when somebody wants to see it.
+    /// What is identified now, made from the belief when someone wants to see it.
     fn environment(&self) -> What {
         let (described, saved) = (self.shown.described.clone(), self.controller.saved());
         What::Asked(Box::new(move || {

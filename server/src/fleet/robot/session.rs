@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(session.judge(2, &back), Ok(Verdict::Takeover), "a new epoch may");
     }
 
-    /// The bug to fear: a clock that creeps backwards, each time by less than the jump, and is never noticed.
+    /// Guards against: a clock that creeps backwards, each time by less than the jump, and is never noticed.
     #[test]
     fn a_clock_cannot_creep_backwards() {
         let mut session = Session::default();

@@ -137,7 +137,7 @@ impl Snapshot {
         self.stopped
     }
 
-    /// The same where the robot's task has died: nobody hears the robot any more.
+    /// The same where the robot's task has died: no one hears the robot any more.
     pub(super) fn without_task(&self) -> Self {
         let state = if self.state == State::Connected { State::Lost } else { self.state };
         Self { state, ..self.clone() }

@@ -224,7 +224,7 @@ mod tests {
         matches!(reading.now_or_never(), Some(Err(Unread::GivenUp(_))))
     }
 
-    /// The bug to fear: bodies that never end hold memory without a bound, or keep out those that are whole.
+    /// Guards against: bodies that never end hold memory without a bound, or keep out those that are whole.
     #[tokio::test]
     async fn unfinished_bodies_are_bounded_and_the_oldest_make_room_for_new_ones() {
         let bodies = bodies(64 * KB, 40 * KB);
@@ -241,7 +241,7 @@ mod tests {
             greedy[97..].iter_mut().all(|reading| reading.now_or_never().is_none()),
             "the newest go on"
         );
-        // A whole body of the same peer is read all the same, and one of another peer costs nobody anything.
+        // A whole body of the same peer is read all the same, and one of another peer costs no one anything.
         let whole = Body::from(vec![b'1'; 8 * KB]);
         assert_eq!(reading(&bodies, peer(1), whole).await.unwrap().len(), 8 * KB);
         let before = held(1);

@@ -132,7 +132,7 @@ impl Activity {
         move |body| Tracked { body, _busy: busy }
     }
 
-    /// Whether somebody uses it for more than a few requests, as an agent does.
+    /// Whether someone uses it for more than a few requests, as an agent does.
     fn is_in_use(&self) -> bool {
         self.answered.load(Ordering::Relaxed) > FEW
     }
@@ -234,7 +234,7 @@ mod tests {
         assert!(connections.admit(peer(5)).is_some(), "somebody with one place for one with none");
     }
 
-    /// The bug to fear: robots that were silent for a moment lose their connections to somebody who only opens some.
+    /// Guards against: robots that were silent for a moment lose their connections to someone who only opens some.
     #[tokio::test(start_paused = true)]
     async fn a_connection_in_use_gives_way_after_those_that_were_only_opened() {
         let connections = connections(3, 3);
@@ -251,7 +251,7 @@ mod tests {
         assert!(is_evicted(&robot), "where there is no other");
     }
 
-    /// The bug to fear: a place that is given back twice, by who had to give way and by who ends.
+    /// Guards against: a place that is given back twice, by who had to give way and by who ends.
     #[tokio::test(start_paused = true)]
     async fn who_gave_way_gives_nothing_back_at_its_end() {
         let connections = connections(2, 2);

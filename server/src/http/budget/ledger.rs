@@ -93,7 +93,7 @@ impl<H> Ledger<H> {
         Some(holder)
     }
 
-    /// From now on nobody can end this holder; what it holds is given back by [`Ledger::give`]. None where it has been
+    /// From now on no one can end this holder; what it holds is given back by [`Ledger::give`]. None where it has been
     /// ended before.
     pub(super) fn settle(&mut self, peer: Peer, id: u64) -> Option<usize> {
         let holding = self.peers.get_mut(&peer)?.holders.remove(&id)?;
@@ -171,9 +171,9 @@ mod tests {
         account.holders.keys().next().copied()
     }
 
-    /// The bug to fear: somebody with little is ended for somebody with much.
+    /// Guards against: someone with little is ended for someone with much.
     #[test]
-    fn who_holds_most_gives_way_and_nobody_to_one_who_holds_as_much() {
+    fn who_holds_most_gives_way_and_no_one_to_one_who_holds_as_much() {
         let mut ledger = Ledger::new(Limits { overall: 6, per_peer: 4 });
         for _ in 0..4 {
             ledger.join(peer(1), 1, 1);

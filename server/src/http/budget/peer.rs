@@ -46,7 +46,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Peer {
 mod tests {
     use super::*;
 
-    /// The bug to fear: somebody with a network of 2^64 addresses counts as so many peers.
+    /// Guards against: someone with a network of 2^64 addresses counts as so many peers.
     #[test]
     fn a_network_of_ipv6_is_one_peer_and_an_ipv4_address_is_one_however_it_is_written() {
         let peer = |text: &str| Peer::of(text.parse().unwrap());

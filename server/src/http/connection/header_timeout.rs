@@ -217,9 +217,9 @@ mod tests {
         assert!(lasted >= IDLE / 2 + HEADER && lasted <= IDLE / 2 + 2 * HEADER, "{lasted:?}");
     }
 
-    /// The bug to fear: a follower of events, or who waits for a slow answer, is cut off.
+    /// Guards against: a follower of events, or who waits for a slow answer, is cut off.
     #[tokio::test(start_paused = true)]
-    async fn nobody_is_hurried_who_waits_for_an_answer_or_speaks_http_2() {
+    async fn no_one_is_hurried_who_waits_for_an_answer_or_speaks_http_2() {
         for is_http2 in [false, true] {
             let (_peer, mut stream, activity) = connection();
             let answering = activity.begin(is_http2);
@@ -231,9 +231,9 @@ mod tests {
         }
     }
 
-    /// The bug to fear: whoever was last read from during an answer is never looked at again, and stays for ever.
+    /// Guards against: whoever was last read from during an answer is never looked at again, and stays for ever.
     #[tokio::test(start_paused = true)]
-    async fn the_wait_begins_with_the_end_of_the_answer_though_nobody_reads_again() {
+    async fn the_wait_begins_with_the_end_of_the_answer_though_no_one_reads_again() {
         let (_peer, mut stream, activity) = connection();
         let answering = activity.begin(false);
         let reading = tokio::spawn(async move { read(&mut stream).await });

@@ -29,7 +29,7 @@ use tower::{ServiceExt, service_fn};
 /// Largest header of a request: ids are short, and there is little else.
 const MAX_HEADER: usize = 16 * 1024;
 
-/// What a peer may send on one stream, and on all streams of a connection, before somebody reads it: it lies in memory
+/// What a peer may send on one stream, and on all streams of a connection, before someone reads it: it lies in memory
 /// that no budget counts. A step has some 2 kB.
 const STREAM_WINDOW: u32 = 64 * 1024;
 const CONNECTION_WINDOW: u32 = 128 * 1024;

@@ -2,7 +2,7 @@
 //!
 //! Invariants: a document is made by one thread at a time however many ask for it, and no more than [`AT_A_TIME`] of all
 //! are made at a time, by threads that give way to the control of robots; who waits beyond [`WAITING`] is refused; what
-//! is kept, and what is still being read by somebody, has a bound in bytes.
+//! is kept, and what is still being read by someone, has a bound in bytes.
 
 mod document;
 mod shelf;
@@ -25,11 +25,11 @@ const AT_A_TIME: usize = 2;
 /// Documents that wait to be made: each takes tenths of a second, and a request waits 15 s.
 const WAITING: usize = 32;
 
-/// Memory of documents that somebody may still be reading beside those that are kept, as a multiple of these.
+/// Memory of documents that someone may still be reading beside those that are kept, as a multiple of these.
 const READ: usize = 2;
 
 /// Niceness of the threads that make them: a tenth of the weight of a thread that controls robots. At the lowest
-/// priority, that of jobs, nobody would get a figure while a job runs.
+/// priority, that of jobs, no one would get a figure while a job runs.
 #[cfg(target_os = "linux")]
 const NICENESS: i32 = 10;
 
@@ -78,7 +78,7 @@ impl Documents {
     }
 
     /// The document by that name. Where there is none yet, `source` fetches what it is made of, and `make` makes it on a
-    /// thread of its own; that goes on when nobody waits for it any more.
+    /// thread of its own; that goes on when no one waits for it any more.
     ///
     /// # Errors
     /// Where it cannot be made, or too many are to be made already.

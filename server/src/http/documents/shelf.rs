@@ -41,7 +41,7 @@ impl Shelf {
         Arc::clone(&kept.place)
     }
 
-    /// The document has been made, with so many bytes. Those make room that nobody has asked for the longest.
+    /// The document has been made, with so many bytes. Those make room that no one has asked for the longest.
     pub(super) fn keep(&mut self, name: Name, bytes: usize) {
         let Some(kept) = self.places.get_mut(&name).filter(|kept| kept.bytes.is_none()) else {
             return;

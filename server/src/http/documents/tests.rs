@@ -27,7 +27,7 @@ async fn get(
     documents.get(name(number), "text/plain", nothing(), make).await.unwrap()
 }
 
-/// The bug to fear: as many drawings as requests.
+/// Guards against: as many drawings as requests.
 #[tokio::test]
 async fn however_many_ask_it_is_made_once() {
     let (documents, made) = (Documents::new(1000), Arc::default());
@@ -55,7 +55,7 @@ async fn those_that_were_asked_for_last_are_kept_up_to_the_limit() {
     assert!(documents.0.alive.load(Ordering::Relaxed) <= 250, "what is too large is not kept");
 }
 
-/// The bug to fear: a hundred drawings at the same time, on all cores and in all memory.
+/// Guards against: a hundred drawings at the same time, on all cores and in all memory.
 #[tokio::test]
 async fn two_are_made_at_a_time_a_bounded_number_waits_and_the_rest_is_told_so() {
     let documents = Documents::new(1000);
@@ -105,9 +105,9 @@ async fn a_failure_and_a_panic_are_told_and_the_next_one_tries_anew() {
     assert!(get(&documents, 1, 10, &Arc::default()).await.bytes.len() == 10);
 }
 
-/// The bug to fear: who goes away takes a document along that took long to make.
+/// Guards against: who goes away takes a document along that took long to make.
 #[tokio::test]
-async fn it_is_made_to_the_end_when_nobody_waits_any_more() {
+async fn it_is_made_to_the_end_when_no_one_waits_any_more() {
     let (documents, made) = (Documents::new(1000), Arc::default());
     let _ = futures_util::FutureExt::now_or_never(get(&documents, 1, 100, &made));
     let again = get(&documents, 1, 100, &made).await;

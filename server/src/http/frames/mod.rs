@@ -196,7 +196,7 @@ mod tests {
         );
     }
 
-    /// The bug to fear: one connection that always has something to read, and never lets another one run.
+    /// Guards against: one connection that always has something to read, and never lets another one run.
     #[tokio::test(start_paused = true)]
     async fn a_connection_that_always_has_something_to_read_yields() {
         let turns = |frames: usize, frame: &'static [u8]| async move {

@@ -1,6 +1,6 @@
 //! Who may ask at all, before any route is reached.
 //!
-//! A web page that somebody on this network opens can send requests to this server: it must not be able to do
+//! A web page that someone on this network opens can send requests to this server: it must not be able to do
 //! anything. In this order a request
 //! 1. names this server as its host ([`host`]): else a foreign name may lead here (DNS rebinding),
 //! 2. comes from no page of another origin ([`origin`]) but those that the operator named,

@@ -2,7 +2,7 @@
 //!
 //! A browser says in `Origin` and `Sec-Fetch-Site` from where a request comes, and no page can make it say otherwise.
 //! Pages of the server's own host are its own; those of `--cors-origin` are as good; all others are foreign, whatever
-//! they ask: also a stop is a change that nobody here has asked for.
+//! they ask: also a stop is a change that no one here has asked for.
 
 use super::host::{Authority, HostName};
 use crate::resource::failure::Failure;

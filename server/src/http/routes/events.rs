@@ -26,7 +26,7 @@ pub(super) const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// The comment: it is no event.
 const COMMENT: Bytes = Bytes::from_static(b":\n\n");
 
-/// What happens within this time after events were sent is sent together: nobody sees so short a delay, and many
+/// What happens within this time after events were sent is sent together: no one sees so short a delay, and many
 /// followers of many robots do not wake up for each event.
 const PACE: Duration = Duration::from_millis(20);
 

@@ -15,7 +15,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "NAME", default_value = Scenario::Thesis.name(),
         value_parser = PossibleValuesParser::new(Scenario::ALL.map(Scenario::name)))]
     scenario: String,
-    /// Who is compared, all where nobody is said: a method such as bayesian, or with its slots as bayesian/20.
+    /// Who is compared, all where no one is said: a method such as bayesian, or with its slots as bayesian/20.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Option<Vec<String>>,
     /// Trials of each in each environment; 1000 where nothing is said.

@@ -124,7 +124,7 @@ pub(crate) struct Serve {
     token_file: Option<PathBuf>,
     /// Listen for other machines without a token.
     ///
-    /// Everybody who reaches the address can then drive every robot: for a network that nobody else is on.
+    /// Everybody who reaches the address can then drive every robot: for a network that no one else is on.
     #[arg(long, env = "UMWELT_ALLOW_INSECURE")]
     allow_insecure: bool,
     /// Name by which the server may be called, beside localhost and its addresses; may be given several times.
@@ -306,7 +306,7 @@ mod tests {
         Config { data: Some(DATA.into()), ..Config::default() }
     }
 
-    /// The bug to fear: a default on the command line that is not the library's.
+    /// Guards against: a default on the command line that is not the library's.
     #[test]
     fn nothing_said_is_the_default() {
         assert_eq!(config(&[]), Some(kept()));

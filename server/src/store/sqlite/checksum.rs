@@ -2,7 +2,7 @@
 //! noticed by it, and so is a row that stands under another's key or in another table.
 //!
 //! It is a CRC of 64 bits. A CRC finds every change within 64 neighbouring bits for certain, and so every byte and every
-//! digit that alone is wrong; of anything worse it misses one in 2^64. Nobody is kept from forging a row by it.
+//! digit that alone is wrong; of anything worse it misses one in 2^64. No one is kept from forging a row by it.
 
 use crc::{CRC_64_XZ, Crc, Digest, Table};
 use rusqlite::Connection;

@@ -71,7 +71,7 @@ pub(super) fn message(file: &Path, damaged: &[Damage]) -> String {
     )
 }
 
-/// Every damaged row of every table, those included that are only read when somebody asks.
+/// Every damaged row of every table, those included that are only read when someone asks.
 pub(super) fn scan(connection: &Connection) -> rusqlite::Result<Vec<Damage>> {
     let mut damaged = Vec::new();
     for table in tables::ALL {

@@ -22,7 +22,7 @@ const MARK: &str = "The store is in umwelt.sqlite beside this file. A server tha
 /// The smallest page that SQLite knows, in bytes: no store is smaller.
 const SMALLEST: u64 = 512;
 
-/// Takes a data directory: nobody else does until what is returned is dropped.
+/// Takes a data directory: no one else does until what is returned is dropped.
 pub(super) fn lock(directory: &Path) -> Result<File, OpenError> {
     let directory = directory.to_path_buf();
     let file = directory.join(LOCK_FILE);

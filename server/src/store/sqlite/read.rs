@@ -143,7 +143,7 @@ fn robots(
         match robots.iter_mut().find(|robot| is_of(robot.id.as_str())) {
             Some(robot) => learn_anew(robot, &damage),
             None if unreadable.iter().any(|it| it.kind == Kind::Robot && is_of(&it.name)) => {}
-            // Whose it is cannot be told: that robot would begin its task anew, and nobody would be told.
+            // Whose it is cannot be told: that robot would begin its task anew, and no one would be told.
             None => damaged.push(damage),
         }
     }
@@ -165,7 +165,7 @@ fn saved(robot: &str, version: u32, body: &str) -> Result<Option<Saved>, serde_j
 }
 
 /// A robot whose knowledge is damaged: it can be learned again. With it is lost how far the robot's task had got, which
-/// would begin anew; so the robot rests until somebody resumes it.
+/// would begin anew; so the robot rests until someone resumes it.
 fn learn_anew(robot: &mut StoredRobot, damage: &Damage) {
     robot.record.stopped = true;
     let remedy = "it is stopped: resume it, and it learns anew and begins its task anew";

@@ -17,7 +17,7 @@ const THINGS: u32 = 4;
 /// Least time between two changes of one person: robots drive meanwhile.
 const TURN: Duration = Duration::from_millis(10);
 
-/// What is changed. Each kind has somebody of its own, so that changes of different kinds are kept in one group.
+/// What is changed. Each kind has someone of its own, so that changes of different kinds are kept in one group.
 const KINDS: [Kind; 4] = [Kind::Robot, Kind::Task, Kind::Prior, Kind::Environment];
 
 /// A prior that is never changed, for robots to use.
@@ -69,7 +69,7 @@ impl Kind {
 
 /// A change that was asked for and may have been made or not.
 #[derive(Clone, Debug)]
-enum Doubt {
+enum Unacknowledged {
     Put(u64),
     Delete,
 }
@@ -78,7 +78,7 @@ enum Doubt {
 #[derive(Clone, Debug, Default)]
 struct Thing {
     said: Option<Value>,
-    doubt: Option<Doubt>,
+    unacknowledged: Option<Unacknowledged>,
 }
 
 /// What one of the people remembers.
@@ -101,13 +101,14 @@ impl Person {
             let thing = self.rng.random_range(0..THINGS);
             let is_delete = self.rng.random_range(0..4) == 0;
             self.turn += 1;
-            let doubt = if is_delete { Doubt::Delete } else { Doubt::Put(self.turn) };
+            let unacknowledged =
+                if is_delete { Unacknowledged::Delete } else { Unacknowledged::Put(self.turn) };
             let path = self.kind.path(thing);
             let remembered = self.things.entry(thing).or_default();
-            remembered.doubt = Some(doubt.clone());
-            let answer = match doubt {
-                Doubt::Delete => attempt(server, "DELETE", &path, &[], b"").await,
-                Doubt::Put(turn) => {
+            remembered.unacknowledged = Some(unacknowledged.clone());
+            let answer = match unacknowledged {
+                Unacknowledged::Delete => attempt(server, "DELETE", &path, &[], b"").await,
+                Unacknowledged::Put(turn) => {
                     let body = self.kind.body(turn).0.to_string();
                     attempt(server, "PUT", &path, &[], body.as_bytes()).await
                 }
@@ -122,7 +123,7 @@ impl Person {
                 404 if is_delete => assert_eq!(remembered.said, None, "{path}: {answer:?}"),
                 _ => panic!("{path}: {answer:?}"),
             }
-            remembered.doubt = None;
+            remembered.unacknowledged = None;
             self.acknowledged += 1;
         }
         self
@@ -138,10 +139,10 @@ impl Person {
                 404 => None,
                 _ => panic!("{path}: {answer:?}"),
             };
-            let is_done = match remembered.doubt.take() {
+            let is_done = match remembered.unacknowledged.take() {
                 None => false,
-                Some(Doubt::Delete) => found.is_none(),
-                Some(Doubt::Put(turn)) => {
+                Some(Unacknowledged::Delete) => found.is_none(),
+                Some(Unacknowledged::Put(turn)) => {
                     let (body, asked, told) = self.kind.body(turn);
                     let told = found.as_ref().and_then(|found| found.pointer(told));
                     told.is_some_and(|told| Some(told) == body.pointer(asked))

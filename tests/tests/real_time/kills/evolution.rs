@@ -12,7 +12,7 @@ use umwelt_tests::wait;
 /// Time between two looks.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Time for an evolution that nobody disturbs any more: it takes some ten seconds of one core.
+/// Time for an evolution that no one disturbs any more: it takes some ten seconds of one core.
 const UNDISTURBED: Duration = Duration::from_secs(60);
 
 /// What is asked for: a generation takes a twentieth of a second of one core, all of them some lives of the server.
@@ -209,7 +209,7 @@ impl Evolutions {
     }
 }
 
-/// Somebody who looks at evolutions.
+/// Someone who looks at evolutions.
 #[derive(Debug)]
 pub(super) struct Following(JoinHandle<Evolutions>);
 

@@ -42,7 +42,7 @@ async fn live(rng: &mut Pcg64Mcg, seconds: std::ops::Range<f64>) {
     tokio::time::sleep(Duration::from_secs_f64(rng.random_range(seconds))).await;
 }
 
-/// The bug to fear: something that was acknowledged is not there, or only half, or was there before and is again.
+/// Guards against: something that was acknowledged is not there, or only half, or was there before and is again.
 #[tokio::test(flavor = "multi_thread")]
 async fn whatever_was_acknowledged_outlives_a_kill_at_any_moment() {
     let seed = seed();

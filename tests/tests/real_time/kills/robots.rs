@@ -219,7 +219,7 @@ impl Robots {
     }
 }
 
-/// Somebody who looks at robots.
+/// Someone who looks at robots.
 #[derive(Debug)]
 pub(super) struct Watching(JoinHandle<Robots>);
 

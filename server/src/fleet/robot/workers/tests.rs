@@ -58,7 +58,7 @@ fn every_wake_is_heard() {
     }
 }
 
-/// The bug to fear: as many robots that compute for ever as there are threads, and nobody is answered any more.
+/// Guards against: as many robots that compute for ever as there are threads, and no one is answered any more.
 #[test]
 fn stuck_tasks_are_seen_and_take_no_thread_from_others() {
     let pool = Pool::start(2).unwrap();
@@ -106,7 +106,7 @@ fn a_task_that_panics_ends_alone() {
     assert_eq!(answers.recv_timeout(LONG), Ok(3));
 }
 
-/// The bug to fear: a server that was dropped and whose threads go on.
+/// Guards against: a server that was dropped and whose threads go on.
 #[test]
 fn threads_end_with_the_pool() {
     let pool = Pool::start(3).unwrap();

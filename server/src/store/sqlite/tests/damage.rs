@@ -62,7 +62,7 @@ fn with_rest_of(found: &Everything, written: &Everything) -> Everything {
     Everything { contents, jobs: found.jobs.clone() }
 }
 
-/// The bug to fear: a waypoint of 0.25 m becomes one of 8.25 m, and nobody says a word.
+/// Guards against: a waypoint of 0.25 m becomes one of 8.25 m, and no one says a word.
 #[test]
 fn one_byte_that_changes_anywhere_is_noticed_or_changes_nothing() {
     let directory = filled();
@@ -149,7 +149,7 @@ fn rows_that_were_swapped_are_damaged() {
     assert!(said.contains("robots b (") && said.contains("robots r1 ("), "{said}");
 }
 
-/// The bug to fear: a robot whose progress is lost sets out for its first waypoint, by itself.
+/// Guards against: a robot whose progress is lost sets out for its first waypoint, by itself.
 #[test]
 fn a_robot_whose_knowledge_is_damaged_rests_and_the_others_drive() {
     let directory = filled();
@@ -202,7 +202,7 @@ fn damaged_rows_can_be_removed_alone() {
     assert_eq!(store.probe(), Ok(()));
 }
 
-/// The bug to fear: a table's definition changes on the disk, and rows come to mean something else.
+/// Guards against: a table's definition changes on the disk, and rows come to mean something else.
 #[test]
 fn tables_that_are_not_as_they_were_made_are_damage() {
     for spoil in [
@@ -246,7 +246,7 @@ fn a_database_of_version_2_opens_and_gets_checksums() {
     assert!(said.contains("jobs evolution/3"), "{said}");
 }
 
-/// The bug to fear: a file that is cut off anywhere opens as an older one, or as a new one.
+/// Guards against: a file that is cut off anywhere opens as an older one, or as a new one.
 #[test]
 fn a_file_that_is_cut_off_is_damage_wherever_it_is_cut() {
     let directory = filled();

@@ -21,7 +21,7 @@ fn names(store: &SqliteStore) -> Vec<String> {
     store.load().unwrap().robots.into_iter().map(|robot| robot.id.to_string()).collect()
 }
 
-/// The bug to fear: a data file that a crash of the machine has emptied is taken for a new one, and every robot is gone.
+/// Guards against: a data file that a crash of the machine has emptied is taken for a new one, and every robot is gone.
 #[test]
 fn a_store_that_is_gone_is_not_begun_anew() {
     for length in [None, Some(0), Some(1), Some(100), Some(511)] {
@@ -49,7 +49,7 @@ fn a_store_that_is_gone_is_not_begun_anew() {
     }
 }
 
-/// The bug to fear: SQLite removes the log of a file that is missing, and with it what was acknowledged last.
+/// Guards against: SQLite removes the log of a file that is missing, and with it what was acknowledged last.
 #[test]
 fn a_log_without_its_file_is_not_thrown_away() {
     let directory = tempdir().unwrap();
@@ -91,7 +91,7 @@ fn a_backup_in_place_of_what_is_gone_opens() {
     assert_eq!(names(&open(&directory)), ["r"]);
 }
 
-/// The bug to fear: SQLite goes on writing to a file that has no name any more, and all of it is lost.
+/// Guards against: SQLite goes on writing to a file that has no name any more, and all of it is lost.
 #[test]
 fn a_file_that_was_moved_away_is_not_written_to() {
     for ending in ["sqlite", "sqlite-wal", "sqlite-shm", "lock"] {
@@ -116,7 +116,7 @@ fn a_file_that_was_moved_away_is_not_written_to() {
     }
 }
 
-/// The bug to fear: what was acknowledged is in a log that has no name any more, and goes with the process.
+/// Guards against: what was acknowledged is in a log that has no name any more, and goes with the process.
 #[test]
 fn a_log_that_is_removed_takes_nothing_with_it() {
     let directory = tempdir().unwrap();
@@ -163,7 +163,7 @@ fn the_log_goes_into_the_file_once_nothing_is_written() {
     assert_eq!(store.commit(vec![robot("later", 1)]), Ok(()));
 }
 
-/// The bug to fear: a log that grows for as long as robots drive.
+/// Guards against: a log that grows for as long as robots drive.
 #[test]
 fn the_log_stays_small_while_much_is_written() {
     let directory = tempdir().unwrap();
@@ -176,7 +176,7 @@ fn the_log_stays_small_while_much_is_written() {
     assert!(largest < 8 << 20, "{largest} bytes");
 }
 
-/// The bug to fear: one byte of the log changes, and SQLite drops what was acknowledged after it, without a word.
+/// Guards against: one byte of the log changes, and SQLite drops what was acknowledged after it, without a word.
 #[test]
 fn a_byte_that_changes_in_the_log_is_noticed_before_its_last_transaction() {
     const COMMITS: usize = 12;

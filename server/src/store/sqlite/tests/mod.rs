@@ -66,7 +66,7 @@ fn what_is_acknowledged_is_there_when_it_is_opened_again() {
     assert!(after.robots[0].saved.is_some() && after.last_number(JobKind::Evolution) == 7);
 }
 
-/// The bug to fear: an acknowledgement before the disk has it. A kill does not show it, only a power cut would.
+/// Guards against: an acknowledgement before the disk has it. A kill does not show it, only a power cut would.
 #[test]
 fn every_commit_is_synced_to_the_disk() {
     let directory = tempdir().unwrap();
@@ -94,7 +94,7 @@ fn a_commit_is_all_or_nothing() {
     }
 }
 
-/// The bug to fear: JSON has no infinity, so what was acknowledged could never be read again.
+/// Guards against: JSON has no infinity, so what was acknowledged could never be read again.
 #[test]
 fn what_could_not_be_read_back_is_rejected() {
     let directory = tempdir().unwrap();
@@ -129,7 +129,7 @@ fn of_a_group_only_the_bad_one_fails() {
     assert_eq!(names, [id("a"), id("c")]);
 }
 
-/// The bug to fear: a change that is too large for what is left of the disk takes the others of its group with it.
+/// Guards against: a change that is too large for what is left of the disk takes the others of its group with it.
 #[test]
 fn a_full_disk_refuses_what_does_not_fit_and_keeps_the_rest() {
     let directory = tempdir().unwrap();
@@ -250,7 +250,7 @@ fn a_database_of_version_1_opens() {
     assert_eq!(JobKind::ALL.map(|kind| contents.last_number(kind)), [5, 0]);
 }
 
-/// The bug to fear: the form of what robots learn changes under the same version, and all of them forget.
+/// Guards against: the form of what robots learn changes under the same version, and all of them forget.
 #[test]
 fn the_form_of_what_was_learned_is_that_of_its_version() {
     let (version, example) = (3, include_str!("saved-example.json").trim_end());
@@ -345,7 +345,7 @@ fn a_row_that_is_whole_and_cannot_be_read_is_no_damage() {
     assert_eq!(store.load().unwrap().unreadable, [], "another one is in its place");
 }
 
-/// The bug to fear: a new version of what robots learn keeps the server from starting.
+/// Guards against: a new version of what robots learn keeps the server from starting.
 #[test]
 fn what_was_learned_in_another_version_is_left_out_and_the_robot_stays() {
     let directory = tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The bug to fear: robots that drive wear out the card that keeps what they learn. A page holds what one robot learned;
+/// Guards against: robots that drive wear out the card that keeps what they learn. A page holds what one robot learned;
 /// nothing more may be written for it, to the log or beside it.
 #[test]
 fn keeping_what_a_robot_learned_costs_about_a_page() {
@@ -38,7 +38,7 @@ fn keeping_what_a_robot_learned_costs_about_a_page() {
     assert_eq!(temp, Ok(2), "what SQLite notes down meanwhile is in memory");
 }
 
-/// The bug to fear: steps wait for a core while something is written.
+/// Guards against: steps wait for a core while something is written.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_thread_that_writes_steps_back() {
