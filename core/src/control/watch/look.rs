@@ -1,13 +1,13 @@
 //! What the watch concludes from the evidence: stuck, against the command, off the path, not as described.
 
 use super::Watch;
-use super::advance::Goal;
 use super::alarm::{Alarm, Compared, Oddity};
 use super::evidence::{Kind, Sums, UNDESCRIBED_DELAY};
 use super::finding::Finding;
 use super::fit::{Fit, Response};
 use super::raise::How;
 use super::shift::Shift;
+use super::situation::Situation;
 use crate::control::condition::Condition;
 use crate::exchange::PoseNoise;
 use crate::geometry::Twist;
@@ -92,23 +92,6 @@ const ABOUT_HALF: f64 = 0.15;
 
 /// Looks in a row at which the robot was too far from its path.
 const LOOKS_OFF_PATH: u32 = 2;
-
-/// What a look needs to know besides poses and commands.
-#[derive(Clone, Copy, Debug)]
-pub struct Situation {
-    /// When the newest pose was taken.
-    pub now: RobotTime,
-    /// Its heading in rad.
-    pub heading: f64,
-    /// Whether the variance rule slows the robot down.
-    pub creeps: bool,
-    /// Where it is to go, while it turns or drives there.
-    pub goal: Option<Goal>,
-    /// Its distance from the path and the largest one allowed, in m.
-    pub path: Option<(f64, f64)>,
-    /// What about the samples cannot be.
-    pub oddity: Option<Oddity>,
-}
 
 impl Watch {
     /// Looks at the last cells of a kind. `played` says whether the robot played the commands between two robot

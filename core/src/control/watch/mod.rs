@@ -14,6 +14,7 @@ mod look;
 mod poses;
 mod raise;
 mod shift;
+mod situation;
 mod still;
 
 pub use super::condition::Condition;
@@ -22,8 +23,8 @@ pub use alarm::{Alarm, Compared, Oddity};
 pub use evidence::{Kind, Step, UNDESCRIBED_DELAY};
 pub use finding::Finding;
 pub use fit::Fit;
-pub use look::Situation;
 pub use raise::{Floor, Floors, RAISED_FOR};
+pub use situation::Situation;
 
 use crate::time::RobotTime;
 use advance::Advance;
