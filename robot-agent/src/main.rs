@@ -10,7 +10,9 @@ use std::io::Write;
 use std::process::ExitCode;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::error;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 use umwelt_agent::drive::Pipe;
 use umwelt_agent::{Clock, run};
 use umwelt_client::api::visible;
@@ -24,14 +26,16 @@ fn main() -> ExitCode {
         Ok(log) => log,
         Err(error) => return wrong(&format!("the log cannot be written: {error}")),
     };
-    let filter = EnvFilter::try_new(&options.log).map_err(|error| format!("--log: {error}"));
+    let filter = options.log.parse::<Targets>().map_err(|error| format!("--log: {error}"));
     let plan = filter.and_then(|filter| {
         let writer = log.clone();
         tracing_subscriber::fmt()
             .with_writer(move || Visible(writer.clone()))
             // Colours are control characters too.
             .with_ansi(false)
-            .with_env_filter(filter)
+            .with_max_level(LevelFilter::TRACE)
+            .finish()
+            .with(filter)
             .init();
         options.plan()
     });

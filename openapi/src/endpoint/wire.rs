@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+#[cfg(test)]
 use serde_json::Value;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -19,17 +20,27 @@ impl<T: ToSchema + Serialize + DeserializeOwned> Wired for T {}
 #[derive(Clone, Copy, Debug)]
 pub struct Wire {
     schema: fn(&mut Schemas) -> (String, RefOr<Schema>),
+    // Every type read and written once more is half a minute of compiling.
+    #[cfg(test)]
     again: fn(&Value) -> Result<Value, String>,
 }
 
 impl Wire {
     pub(super) const fn of<T: Wired>() -> Self {
-        Self { schema: schema::<T>, again: again::<T> }
+        Self {
+            schema: schema::<T>,
+            #[cfg(test)]
+            again: again::<T>,
+        }
     }
 
     /// A type that is written in a query alone.
     pub(super) const fn query<T: ToSchema>() -> Self {
-        Self { schema: schema::<T>, again: |value| Ok(value.clone()) }
+        Self {
+            schema: schema::<T>,
+            #[cfg(test)]
+            again: |value| Ok(value.clone()),
+        }
     }
 
     /// A reference to its schema, which goes into `schemas` with all that it refers to.
@@ -46,7 +57,8 @@ impl Wire {
     ///
     /// # Errors
     /// Where this is none of its values.
-    pub fn again(&self, value: &Value) -> Result<Value, String> {
+    #[cfg(test)]
+    pub(crate) fn again(&self, value: &Value) -> Result<Value, String> {
         (self.again)(value)
     }
 }
@@ -59,6 +71,7 @@ fn schema<T: ToSchema>(schemas: &mut Schemas) -> (String, RefOr<Schema>) {
     (name.clone(), Ref::from_schema_name(name).into())
 }
 
+#[cfg(test)]
 fn again<T: Wired>(value: &Value) -> Result<Value, String> {
     let read = T::deserialize(value).map_err(|error| error.to_string())?;
     serde_json::to_value(read).map_err(|error| error.to_string())

@@ -74,7 +74,7 @@ pub struct Options {
     #[arg(long, value_name = "S", value_parser = positive)]
     duration: Option<f64>,
 
-    /// What to log: error, warn, info, debug or a filter of tracing-subscriber
+    /// What to log: error, warn, info, debug, or a list as info,umwelt_agent=debug
     #[arg(long, value_name = "FILTER", env = "UMWELT_LOG", default_value = "info")]
     pub log: String,
 

@@ -9,7 +9,9 @@ use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 use umwelt_api::problem::Detail;
 use umwelt_lab::offline;
 
@@ -35,9 +37,12 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &Serve) -> ExitCode {
     tracing_subscriber::fmt()
-        .with_env_filter(EnvFilter::new(&arguments.log))
+        .with_max_level(LevelFilter::TRACE)
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
+        .finish()
+        // It was read once when the command line was.
+        .with(arguments.log.parse::<Targets>().unwrap_or_default())
         .init();
     let config = match arguments.config() {
         Ok(config) => config,
