@@ -9,7 +9,7 @@ mod resource;
 
 pub(crate) use events::events;
 pub(crate) use named::Named;
-pub(crate) use resource::Resource;
+pub(crate) use resource::{Asked, Resource};
 
 use super::page::{self, Query};
 use crate::http::answer;
@@ -33,9 +33,6 @@ use umwelt_api::IdempotencyKey;
 use umwelt_api::body::Body;
 use umwelt_api::job::{JobKind, JobPage};
 use umwelt_api::problem::{Detail, Problems, Status, reason};
-
-/// What one sends to submit a job.
-type Asked<W> = <<W as OnWire>::Kind as JobKind>::Request;
 
 /// Submits a job.
 pub(crate) async fn submit<W: Resource>(

@@ -8,6 +8,9 @@ use umwelt_api::Checked;
 use umwelt_api::Problems;
 use umwelt_api::job::{JobEvent, JobKind};
 
+/// What one sends to submit a job.
+pub(crate) type Asked<W> = <<W as OnWire>::Kind as JobKind>::Request;
+
 /// A kind of job as HTTP has it: how one is submitted, and what its event stream has.
 pub(crate) trait Resource: OnWire {
     /// Whether a state has an id in the event stream. One that has would be resumed behind it.
@@ -22,10 +25,7 @@ pub(crate) trait Resource: OnWire {
     ///
     /// # Errors
     /// Every problem of it.
-    fn read(
-        app: &App,
-        body: &[u8],
-    ) -> Result<(Checked<<Self::Kind as JobKind>::Request>, Self::Settings), Problems>;
+    fn read(app: &App, body: &[u8]) -> Result<(Checked<Asked<Self>>, Self::Settings), Problems>;
 
     /// A number from `next` on for a new job, and what is its own.
     ///
@@ -34,7 +34,7 @@ pub(crate) trait Resource: OnWire {
     fn own(
         app: &App,
         jobs: &Jobs<Self>,
-        request: &<Self::Kind as JobKind>::Request,
+        request: &Asked<Self>,
         next: u64,
     ) -> Result<(u64, Self::Own), Failure>;
 
