@@ -39,7 +39,8 @@ pub mod page;
 pub mod prior;
 pub mod problem;
 pub mod robot;
-#[cfg(all(test, feature = "core"))]
+#[cfg(feature = "core")]
+#[cfg(test)]
 mod round_trip;
 pub mod step;
 pub mod stop;

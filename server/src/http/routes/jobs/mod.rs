@@ -17,7 +17,7 @@ use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::documents;
 use crate::http::extract::Json;
-use crate::jobs::{Job, Jobs, OnWire, Submission, Work, read_part};
+use crate::jobs::{Job, Jobs, Submission, Work, read_part};
 use crate::resource::change::to_the_end;
 use crate::resource::etag;
 use crate::resource::failure::{self, Failure};
