@@ -339,17 +339,7 @@ impl Client {
 
 fn add_query(url: &mut Url, query: &PageQuery) {
     let PageQuery { page_size, page_token, state } = query;
-    pages::add_query(url, *page_size, page_token.as_deref(), state.map(state_name));
-}
-
-/// The name of a state on the wire.
-pub(crate) fn state_name(state: robot::State) -> &'static str {
-    match state {
-        robot::State::Never => "never",
-        robot::State::Connected => "connected",
-        robot::State::Lost => "lost",
-        robot::State::Failed => "failed",
-    }
+    pages::add_query(url, *page_size, page_token.as_deref(), state.map(robot::State::name));
 }
 
 #[cfg(test)]

@@ -147,7 +147,7 @@ impl Client {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::tests::COMPARISON;
+    use crate::samples::COMPARISON;
     use crate::test_server::{Server, answer, json};
     use futures_util::{StreamExt, TryStreamExt};
     use hyper::StatusCode;

@@ -1,15 +1,13 @@
-//! The typed client of Umwelt, and the command line `umwelt` on top of it.
+//! The typed client of Umwelt. The program `umwelt` is its command line.
 //!
 //! * [`Client`]: one async method per route of the contract, those of jobs for every kind, in the types of [`umwelt_api`].
 //! * [`Client::events`]: what happens, as a stream that reconnects by itself.
 //! * [`StepConnection`]: the hot path, for the agent on the robot.
-//! * [`cli`]: the command line, of which the program is a thin `main`.
 //!
 //! Architecture invariant: the only crate that knows reqwest; it imports nothing of the server.
 
 mod address;
 mod call;
-pub mod cli;
 mod client;
 mod compare;
 mod connection;
@@ -19,6 +17,8 @@ mod evolve;
 mod job;
 mod pages;
 mod retry;
+#[cfg(test)]
+mod samples;
 mod sse;
 mod step;
 #[cfg(test)]

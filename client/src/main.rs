@@ -1,5 +1,12 @@
-//! The command line of Umwelt: see [`umwelt_client::cli`].
+//! The command line of Umwelt.
+
+mod cli;
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+#[expect(dead_code, reason = "the tests of the library use the rest of it")]
+mod test_server;
 
 fn main() -> std::process::ExitCode {
-    umwelt_client::cli::main()
+    cli::main()
 }

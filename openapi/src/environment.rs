@@ -54,7 +54,7 @@ impl Prior {
     /// use umwelt_api::environment::Prior;
     /// use umwelt_api::{prior::Source, robot::Method};
     /// let prior = Prior::of(Some("wet-hall".parse()?), Source::Put, Method::Bayesian);
-    /// assert_eq!(prior.why, "the description of the robot names wet-hall, which someone put");
+    /// assert_eq!(prior.why, "the description of the robot names wet-hall, which somebody put");
     /// # Ok::<(), umwelt_api::InvalidId>(())
     /// ```
     pub fn of(name: Option<PriorId>, source: Source, method: Method) -> Self {

@@ -266,14 +266,8 @@ impl Robot {
             self.state.loop_delay = Some(loop_delay);
         }
         if self.state.stopped != reply.stopped {
-            info!(
-                "{}",
-                if reply.stopped {
-                    "robot stopped by the server"
-                } else {
-                    "robot resumed by the server"
-                }
-            );
+            let what = if reply.stopped { "stopped" } else { "resumed" };
+            info!("robot {what} by the server");
         }
         if self.state.stage != Some(reply.stage) {
             info!(stage = ?reply.stage, "robot goes on to another stage");

@@ -4,10 +4,10 @@ use super::failure::Failure;
 use super::input;
 use super::job::submit::Submit;
 use super::output::Output;
-use crate::client::Client;
 use clap::Args;
 use umwelt_api::comparison::{ComparisonKind, Request, Scenario};
 use umwelt_api::{PriorId, Validate};
+use umwelt_client::Client;
 
 const SCENARIOS: &[&str] =
     &["thesis", "thesis-real", "floor-change", "link-change", "bursty", "outage", "systematic"];
@@ -84,7 +84,7 @@ impl Compare {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::tests::COMPARISON;
+    use crate::samples::COMPARISON;
     use crate::test_server::{Server, json};
     use clap::Parser;
     use hyper::StatusCode;

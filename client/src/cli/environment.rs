@@ -6,7 +6,6 @@ use super::progress::{QUIET_WAIT, StatusLine, wait};
 use super::quantity::{UNKNOWN, milliseconds, or_unknown, percent, span};
 use super::table::{Column, Table};
 use super::training;
-use crate::client::Client;
 use clap::Subcommand;
 use std::fmt::Write;
 use std::time::Duration;
@@ -15,6 +14,7 @@ use umwelt_api::RobotId;
 use umwelt_api::environment::{Channel, Environment, Interval, Link, Status};
 use umwelt_api::robot::Method;
 use umwelt_api::watch;
+use umwelt_client::Client;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

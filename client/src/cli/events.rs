@@ -4,8 +4,6 @@ use super::failure::Failure;
 use super::output::Output;
 use super::progress::{QUIET_WAIT, StatusLine, say, wait};
 use super::quantity;
-use crate::client::Client;
-use crate::error::Error;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use futures_util::StreamExt;
@@ -13,6 +11,8 @@ use std::time::Duration;
 use tokio::time::{Instant, interval_at};
 use umwelt_api::RobotId;
 use umwelt_api::event::{Event, Kind};
+use umwelt_client::Client;
+use umwelt_client::Error;
 
 /// The names of the kinds of events.
 const KINDS: &[&str] = &[

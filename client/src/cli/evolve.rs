@@ -4,10 +4,10 @@ use super::failure::Failure;
 use super::input;
 use super::job::submit::Submit;
 use super::output::Output;
-use crate::client::Client;
 use clap::Args;
 use umwelt_api::evolution::{EvolutionKind, Optimizer, Preset, Request};
 use umwelt_api::{EnvironmentId, PriorId, Validate};
+use umwelt_client::Client;
 
 const PRESETS: &[&str] = &["default", "thesis", "quick"];
 const OPTIMIZERS: &[&str] = &["genetic", "cma-es", "empirical-bayes"];

@@ -1,10 +1,10 @@
 //! How a run ends that does not succeed.
 
 use super::progress;
-use crate::error::Error;
 use std::io;
 use std::process::ExitCode;
 use umwelt_api::problem::{Detail, Problems};
+use umwelt_client::Error;
 
 /// Why a run does not succeed.
 #[derive(Debug)]

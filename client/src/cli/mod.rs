@@ -23,12 +23,12 @@ mod task;
 mod training;
 mod unreadable;
 
-use crate::client::Client;
 use clap::{Parser, Subcommand};
 use failure::Failure;
 use output::Output;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use umwelt_client::Client;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -115,7 +115,7 @@ pub fn main() -> ExitCode {
 }
 
 fn client(server: &str, token_file: Option<&Path>) -> Result<Client, Failure> {
-    let token = token_file.map(crate::token::read_token).transpose()?;
+    let token = token_file.map(umwelt_client::read_token).transpose()?;
     Ok(Client::authorized(server, token)?)
 }
 

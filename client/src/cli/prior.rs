@@ -8,7 +8,6 @@ use super::progress::wait;
 use super::quantity::{UNKNOWN, or_unknown};
 use super::table::{Column, Table};
 use super::unreadable::with;
-use crate::client::Client;
 use clap::Subcommand;
 use serde_json::json;
 use std::fmt::Write;
@@ -16,6 +15,7 @@ use std::path::{Path, PathBuf};
 use umwelt_api::Checked;
 use umwelt_api::PriorId;
 use umwelt_api::prior::{Page, Prior, Source, Spec};
+use umwelt_client::Client;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

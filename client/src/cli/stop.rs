@@ -3,10 +3,10 @@
 use super::failure::Failure;
 use super::output::Output;
 use super::progress::{say, wait};
-use crate::client::Client;
 use clap::Args;
 use umwelt_api::RobotId;
 use umwelt_api::stop::{Stop, StopAll};
+use umwelt_client::Client;
 
 /// One robot or all.
 #[derive(Debug, Args)]

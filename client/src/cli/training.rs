@@ -7,7 +7,6 @@ use super::progress::wait;
 use super::quantity::or_unknown;
 use super::table::{Column, Table};
 use super::unreadable::with;
-use crate::client::Client;
 use clap::Subcommand;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -15,6 +14,7 @@ use std::path::{Path, PathBuf};
 use umwelt_api::Checked;
 use umwelt_api::EnvironmentId;
 use umwelt_api::training::{Environment, Fitness, Floor, Link, Page, Rtt, Spec};
+use umwelt_client::Client;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

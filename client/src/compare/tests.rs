@@ -6,16 +6,6 @@ use hyper::StatusCode;
 use std::sync::{Arc, Mutex};
 use umwelt_api::problem::Status;
 
-/// A comparison as a server shows it.
-pub(crate) const COMPARISON: &str = r#"{
-    "comparison": "comparison-12", "state": "queued", "interrupted": 0, "created_unix_s": 1000, "error": null,
-    "report": null,
-    "spec": {"scenario": "thesis", "methods": ["statistic/20", "bayesian/20", "no-compensation/1"],
-             "environments": ["normal", "bad-link"], "trials": 1000, "seed": 1, "time_limit_s": 180, "prior": "thesis"},
-    "progress": {"stage": "queued", "trials_done": 0, "trials": 1000, "episodes": 0, "total_episodes": 6040,
-                 "elapsed_s": 0, "remaining_s": null}
-}"#;
-
 const PRECONDITION: &str =
     r#"{"error": {"code": 409, "status": "FAILED_PRECONDITION", "message": "m", "details": []}}"#;
 

@@ -1,6 +1,7 @@
 //! What the methods send, and what they make of the answers.
 
 use super::*;
+use crate::samples::EVOLUTION;
 use crate::test_server::{Server, answer, json};
 use futures_util::TryStreamExt;
 use http_body_util::BodyExt;
@@ -9,18 +10,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use umwelt_api::evolution;
 use umwelt_api::problem::Status;
-
-/// An evolution as a server shows it.
-pub(crate) const EVOLUTION: &str = r#"{
-    "evolution": "evolution-12", "state": "queued", "interrupted": 0, "created_unix_s": 1000, "error": null,
-    "prior": null, "champion": null,
-    "spec": {"environments": ["normal"], "optimizer": "genetic", "population": 24, "generations": 12, "trials": 2,
-             "selection_trials": 20, "report_trials": 60, "seed": 1, "crossover_probability": 0.49,
-             "reproduction_probability": 0.49, "mutation_probability": 0.02, "expansion": 1.2, "elites": 0,
-             "max_deviation_m": 0.1, "max_time_s": 60, "horizon_slots": 1, "prior": "mine"},
-    "progress": {"stage": "queued", "generation": 0, "generations": 12, "best_fitness": null, "mean_fitness": null,
-                 "episodes": 0, "total_episodes": 1000, "elapsed_s": 0, "remaining_s": null}
-}"#;
 
 const UNAVAILABLE: &str =
     r#"{"error": {"code": 503, "status": "UNAVAILABLE", "message": "m", "details": []}}"#;

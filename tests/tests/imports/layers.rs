@@ -61,7 +61,9 @@ const API: Layers = &[
     &["problem/"],
     &["check.rs", "checked.rs", "id.rs", "idempotency.rs", "token.rs"],
     &["body/", "page.rs", "built_in.rs"],
-    &["robot/", "task.rs", "step/", "stop.rs", "watch.rs", "environment.rs", "event.rs"],
+    &["robot/", "task.rs", "step/", "stop.rs", "watch.rs", "health.rs", "estimate.rs"],
+    &["job/"],
+    &["evolution/", "comparison/", "prior.rs", "training/", "environment.rs", "event.rs"],
     &["endpoint/", "conversion/"],
     &["document/"],
     &["lib.rs"],
@@ -83,15 +85,16 @@ const CLIENT: Layers = &[
     &["error.rs", "address.rs", "token.rs"],
     &["call.rs", "connection.rs", "retry.rs", "pages.rs", "sse.rs"],
     &["step.rs"],
-    &["client.rs"],
+    &["client.rs", "compare/", "events/", "evolve/", "job.rs", "whole.rs"],
     &["lib.rs"],
     &["cli/"],
     &["main.rs"],
 ];
 
 const AGENT: Layers = &[
-    &["clock.rs", "throttle.rs", "log.rs", "report.rs"],
+    &["clock.rs", "throttle.rs", "log.rs"],
     &["drive/", "transport.rs", "restraint.rs"],
+    &["report.rs"],
     &["robot.rs"],
     &["agent.rs"],
     &["options/"],
@@ -99,7 +102,13 @@ const AGENT: Layers = &[
     &["main.rs"],
 ];
 
-const TESTS: Layers = &[&["data.rs"], &["faults/"], &["lib.rs"]];
+const TESTS: Layers = &[
+    &["wait.rs", "data.rs", "trace.rs", "tap.rs"],
+    &["http.rs", "process.rs", "proxy.rs", "rover.rs", "server.rs"],
+    &["said.rs"],
+    &["faults/"],
+    &["lib.rs"],
+];
 
 /// The imports from a file by one of a higher layer, one line each.
 pub fn upward(graph: &Graph, layers: Layers) -> Vec<String> {

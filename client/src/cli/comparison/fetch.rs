@@ -4,11 +4,11 @@ use super::super::failure::Failure;
 use super::super::job::files::{Destination, Directory};
 use super::super::output::Output;
 use super::super::progress::wait;
-use crate::client::Client;
 use clap::Args;
 use std::time::Duration;
 use umwelt_api::ComparisonId;
 use umwelt_api::comparison::Figure;
+use umwelt_client::Client;
 
 pub(super) const ABOUT_PLOT: &str = "\
 Writes, once it has succeeded,

@@ -9,11 +9,11 @@ use super::job::{Noun, STATES, described, episodes, noun, time_left};
 use super::output::Output;
 use super::quantity::{or_unknown, span};
 use super::table::{Column, Table};
-use crate::client::Client;
 use clap::Subcommand;
 use std::fmt::Write;
 use umwelt_api::ComparisonId;
 use umwelt_api::comparison::{Comparison, ComparisonKind, Progress, Stage, State};
+use umwelt_client::Client;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

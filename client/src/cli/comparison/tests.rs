@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cli::job::noun::listed;
-use crate::compare::tests::COMPARISON;
+use crate::samples::COMPARISON;
 use umwelt_api::comparison::{
     Claim, Entry, EnvironmentReport, Estimate, Finding, FindingResult, FindingSubject, Quantities,
     Recognition, Reductions, Report,

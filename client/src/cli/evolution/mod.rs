@@ -10,7 +10,6 @@ use super::output::Output;
 use super::progress::{say, wait};
 use super::quantity::{UNKNOWN, millimetres, of_arrivals, or_unknown, percent, span};
 use super::table::{Column, Table};
-use crate::client::Client;
 use clap::Subcommand;
 use futures_util::TryStreamExt;
 use std::fmt::Write;
@@ -18,6 +17,7 @@ use umwelt_api::EvolutionId;
 use umwelt_api::evolution::{
     Evolution, EvolutionKind, GenerationsPage, Progress, Spec, Stage, State,
 };
+use umwelt_client::Client;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

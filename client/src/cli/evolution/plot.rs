@@ -4,10 +4,10 @@ use super::super::failure::Failure;
 use super::super::job::files::Directory;
 use super::super::output::Output;
 use super::super::progress::wait;
-use crate::client::Client;
 use clap::Args;
 use umwelt_api::EvolutionId;
 use umwelt_api::evolution::Figure;
+use umwelt_client::Client;
 
 pub(super) const ABOUT: &str = "\
 Writes ID-deviation.svg (the thesis's figure 6) and ID-time.svg (its figure 7), as far as the generations have ended.

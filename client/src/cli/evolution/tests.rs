@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cli::job::noun::listed;
-use crate::evolve::tests::EVOLUTION;
+use crate::samples::EVOLUTION;
 use umwelt_api::evolution::{
     Champion, Entry, EnvironmentResult, Estimate, Generation, GenerationEnvironment, Ranking,
 };

@@ -7,10 +7,10 @@ pub(super) mod watch;
 
 use super::failure::Failure;
 use super::quantity::span;
-use crate::error::Error;
 use std::fmt::Write;
 use umwelt_api::IdempotencyKey;
 use umwelt_api::job::{Job, JobKind, State};
+use umwelt_client::Error;
 
 /// The names of the states.
 pub(super) const STATES: &[&str] = &["queued", "running", "succeeded", "failed", "cancelled"];
@@ -98,7 +98,8 @@ mod tests {
         let key = "k-1".parse().unwrap();
         let what: Box<str> = "POST http://h/v1/evolutions".into();
         let cause = "reset".to_owned();
-        let lost = Error::Transport { what: what.clone(), failure: crate::Failure::Closed, cause };
+        let lost =
+            Error::Transport { what: what.clone(), failure: umwelt_client::Failure::Closed, cause };
         let Failure::Failed(text) = refused(lost, &key) else { panic!("the call was right") };
         assert!(text.contains("--idempotency-key k-1"), "{text}");
         let foreign = Error::Protocol { what, why: "w".to_owned() };

@@ -6,9 +6,9 @@ use super::super::progress::{say, wait};
 use super::super::unreadable::with;
 use super::Noun;
 use super::watch;
-use crate::client::Client;
 use serde_json::json;
 use umwelt_api::job::{Job, JobPage, State};
+use umwelt_client::Client;
 
 /// Lists jobs, the newest first; those in one state where one is given.
 pub(in super::super) async fn list<K: Noun>(

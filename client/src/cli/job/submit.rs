@@ -5,10 +5,10 @@ use super::super::output::Output;
 use super::super::progress::{say, wait};
 use super::watch::watch;
 use super::{Noun, accepted, refused};
-use crate::client::Client;
-use crate::job::fresh_key;
 use clap::Args;
 use umwelt_api::IdempotencyKey;
+use umwelt_client::Client;
+use umwelt_client::fresh_key;
 
 /// How to submit a job.
 #[derive(Debug, Args)]

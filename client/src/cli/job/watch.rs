@@ -5,8 +5,6 @@ use super::super::failure::Failure;
 use super::super::output::Output;
 use super::super::progress::{say, wait};
 use super::Noun;
-use crate::client::Client;
-use crate::error::Error;
 use futures_util::StreamExt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
@@ -14,6 +12,8 @@ use std::time::Duration;
 use tokio::time::Instant;
 use umwelt_api::job::{Job, JobNews, State};
 use umwelt_api::visible;
+use umwelt_client::Client;
+use umwelt_client::Error;
 
 /// A log, as opposed to a terminal, gets a line no more often than this.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -193,8 +193,8 @@ fn line(id: &str, state: State, at: &At) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::tests::COMPARISON;
-    use crate::evolve::tests::EVOLUTION;
+    use crate::samples::COMPARISON;
+    use crate::samples::EVOLUTION;
     use crate::test_server::{Server, answer, json};
     use hyper::StatusCode;
     use serde_json::Value;

@@ -7,7 +7,6 @@ use super::progress::{say, wait};
 use super::quantity::{self, metres, millimetres, milliseconds, or_unknown, radians};
 use super::table::{Column, Table};
 use super::unreadable::with;
-use crate::client::{Client, state_name};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -15,6 +14,7 @@ use std::path::PathBuf;
 use umwelt_api::Validate;
 use umwelt_api::robot::{Attribution, Method, Page, PriorChoice, Robot, Spec, State};
 use umwelt_api::{PriorId, RobotId};
+use umwelt_client::Client;
 
 const METHODS: &[&str] = &["fixed-normal", "fixed-bad", "statistic", "bayesian"];
 const ATTRIBUTIONS: &[&str] = &["sent", "played"];
@@ -146,7 +146,7 @@ impl Command {
                 output.result(&robot, |robot| format!("{} is described", robot.robot))
             }
             Self::List { state } => {
-                let page: Page = wait(client.whole(state.map(state_name))).await?;
+                let page: Page = wait(client.whole(state.map(State::name))).await?;
                 if page.robots.is_empty() {
                     say("no robots; add one: umwelt robot add ID");
                 }

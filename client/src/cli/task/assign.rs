@@ -1,11 +1,11 @@
 //! Giving a robot a task from the command line.
 
 use super::super::progress::say;
-use crate::client::Client;
-use crate::error::Error;
 use umwelt_api::RobotId;
 use umwelt_api::problem::Status;
 use umwelt_api::task::{Spec, Stage, Task};
+use umwelt_client::Client;
+use umwelt_client::Error;
 
 /// Sets the task. The server leaves the very task that the robot has as it is; a caller that sets it again once the robot has
 /// arrived, or says `again`, wants to see it driven once more.

@@ -8,8 +8,6 @@ use super::output::Output;
 use super::progress::{StatusLine, wait};
 use super::quantity::{self, metres, millimetres};
 use super::table::{Column, Table};
-use crate::client::Client;
-use crate::error::Error;
 use assign::assign;
 use clap::{Args, Subcommand};
 use serde_json::json;
@@ -20,6 +18,8 @@ use umwelt_api::RobotId;
 use umwelt_api::Validate;
 use umwelt_api::robot::{Robot, State};
 use umwelt_api::task::{Calibration, Spec, Stage, Task, Waypoint};
+use umwelt_client::Client;
+use umwelt_client::Error;
 
 /// How often progress is asked for: fast enough for an eye, slow enough for a bad link.
 const LOOK: Duration = Duration::from_millis(500);
