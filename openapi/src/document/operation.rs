@@ -123,7 +123,8 @@ fn parameters(
     }
     if let Answer::Document(..) = operation.answer {
         let about = "Not again if it has this `ETag` still";
-        optional.push(("If-None-Match", ParameterIn::Header, about, text(200).into()));
+        let schema = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String));
+        optional.push(("If-None-Match", ParameterIn::Header, about, schema.into()));
     }
     for (name, place, about, schema) in optional {
         let parameter = ParameterBuilder::new()
