@@ -306,15 +306,6 @@ impl Client {
         self.typed(self.call(Method::POST, url)).await
     }
 
-    pub(crate) async fn put<T: DeserializeOwned>(
-        &self,
-        url: Url,
-        body: &impl Serialize,
-    ) -> Result<T, Error> {
-        let call = self.call(Method::PUT, url).with_json(body)?;
-        self.typed(Call { if_match: self.if_match.clone(), ..call }).await
-    }
-
     pub(crate) async fn delete(&self, url: Url) -> Result<(), Error> {
         let call = self.call(Method::DELETE, url);
         let call = Call { if_match: self.if_match.clone(), ..call };

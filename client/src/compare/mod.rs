@@ -3,7 +3,8 @@
 use crate::client::Client;
 use crate::error::Error;
 use umwelt_api::ComparisonId;
-use umwelt_api::comparison::{self, ComparisonKind, Figure};
+use umwelt_api::comparison::{self, Figure};
+use umwelt_api::endpoint;
 
 impl Client {
     /// A figure of a comparison, as SVG.
@@ -16,7 +17,7 @@ impl Client {
         comparison: &ComparisonId,
         figure: Figure,
     ) -> Result<String, Error> {
-        self.svg(self.below_job::<ComparisonKind>(comparison, &["figures", figure.name()])).await
+        self.svg(self.url(endpoint::COMPARISON_FIGURE, &[comparison.as_str(), figure.name()])).await
     }
 
     /// Every trial of a comparison, as CSV; [`comparison::TRIALS_COLUMNS`] says of what, a later server may add columns
@@ -26,7 +27,7 @@ impl Client {
     /// FAILED_PRECONDITION before it has succeeded, NOT_FOUND where it is not known, [`Error::Protocol`] where the
     /// answer has not these columns, and whatever [`Error`] tells.
     pub async fn comparison_trials(&self, comparison: &ComparisonId) -> Result<String, Error> {
-        let url = self.below_job::<ComparisonKind>(comparison, &["trials.csv"]);
+        let url = self.url(endpoint::COMPARISON_TRIALS, &[comparison.as_str()]);
         let header = comparison::TRIALS_COLUMNS.join(",");
         let is_right = |text: &str| text.starts_with(&header);
         self.text(url, comparison::TRIALS_MEDIA_TYPE, "list of trials", is_right).await
@@ -38,7 +39,7 @@ impl Client {
     /// FAILED_PRECONDITION before it has succeeded, NOT_FOUND where it is not known, [`Error::Protocol`] where the
     /// answer is no text, and whatever [`Error`] tells.
     pub async fn comparison_report(&self, comparison: &ComparisonId) -> Result<String, Error> {
-        let url = self.below_job::<ComparisonKind>(comparison, &["report.md"]);
+        let url = self.url(endpoint::COMPARISON_REPORT, &[comparison.as_str()]);
         self.text(url, comparison::REPORT_MEDIA_TYPE, "text", |_| true).await
     }
 }

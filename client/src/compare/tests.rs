@@ -4,6 +4,7 @@ use super::*;
 use crate::test_server::{Server, answer, json};
 use hyper::StatusCode;
 use std::sync::{Arc, Mutex};
+use umwelt_api::comparison::ComparisonKind;
 use umwelt_api::problem::Status;
 
 const PRECONDITION: &str =

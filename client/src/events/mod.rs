@@ -13,6 +13,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 use tower::util::rng::{HasherRng, Rng};
 use umwelt_api::RobotId;
+use umwelt_api::endpoint;
 use umwelt_api::event::Event;
 use umwelt_api::job::{JobEvent, JobKind, JobNews};
 
@@ -85,8 +86,8 @@ impl Client {
         after: Option<u64>,
     ) -> Result<Events, Error> {
         let url = match robot {
-            Some(robot) => self.at(&["v1", "robots", robot.as_str(), "events"]),
-            None => self.at(&["v1", "events"]),
+            Some(robot) => self.url(endpoint::ROBOT_EVENTS, &[robot.as_str()]),
+            None => self.url(endpoint::EVENTS, &[]),
         };
         follow(self, url, after).await
     }

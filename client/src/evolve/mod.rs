@@ -4,8 +4,9 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::pages::{self, add_query};
 use futures_util::stream::BoxStream;
-use reqwest::Url;
-use umwelt_api::evolution::{EvolutionKind, Figure, Generation, GenerationsPage};
+use serde::de::DeserializeOwned;
+use umwelt_api::endpoint::{self, Endpoint};
+use umwelt_api::evolution::{Figure, Generation, GenerationsPage};
 use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
 use umwelt_api::prior::{self, Prior};
 use umwelt_api::training;
@@ -17,7 +18,7 @@ impl Client {
     /// # Errors
     /// FAILED_PRECONDITION where it comes with the server or robots use it, and whatever [`Error`] tells.
     pub async fn put_prior(&self, prior: &PriorId, spec: &prior::Spec) -> Result<Prior, Error> {
-        self.put(self.at(&["v1", "priors", prior.as_str()]), spec).await
+        self.send(endpoint::PUT_PRIOR, &[prior.as_str()], spec).await
     }
 
     /// A prior, where it comes from and which robots use it.
@@ -25,7 +26,7 @@ impl Client {
     /// # Errors
     /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
     pub async fn get_prior(&self, prior: &PriorId) -> Result<Prior, Error> {
-        self.get(self.at(&["v1", "priors", prior.as_str()])).await
+        self.ask(endpoint::GET_PRIOR, &[prior.as_str()]).await
     }
 
     /// Removes a prior.
@@ -34,7 +35,7 @@ impl Client {
     /// FAILED_PRECONDITION where it comes with the server or robots use it, NOT_FOUND where it is not known, and
     /// whatever [`Error`] tells.
     pub async fn delete_prior(&self, prior: &PriorId) -> Result<(), Error> {
-        self.delete(self.at(&["v1", "priors", prior.as_str()])).await
+        self.perform(endpoint::DELETE_PRIOR, &[prior.as_str()]).await
     }
 
     /// One page of the priors, in the order of their names. [`Client::priors`] walks over all pages.
@@ -42,13 +43,13 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn list_priors(&self, query: &PageQuery) -> Result<prior::Page, Error> {
-        self.get(self.paged(&["v1", "priors"], query)).await
+        self.page(endpoint::LIST_PRIORS, &[], query).await
     }
 
     /// All priors, in the order of their names. An error ends the stream.
     pub fn priors(&self) -> BoxStream<'static, Result<Prior, Error>> {
         let client = self.clone();
-        pages::all(format!("GET {}", self.at(&["v1", "priors"])), move |page_token| {
+        pages::all(format!("GET {}", self.url(endpoint::LIST_PRIORS, &[])), move |page_token| {
             let client = client.clone();
             async move {
                 let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token };
@@ -67,7 +68,7 @@ impl Client {
         environment: &EnvironmentId,
         spec: &training::Spec,
     ) -> Result<training::Environment, Error> {
-        self.put(self.at(&["v1", "environments", environment.as_str()]), spec).await
+        self.send(endpoint::PUT_TRAINING_ENVIRONMENT, &[environment.as_str()], spec).await
     }
 
     /// A simulated environment; what is identified of a robot's is [`Client::environment`].
@@ -78,7 +79,7 @@ impl Client {
         &self,
         environment: &EnvironmentId,
     ) -> Result<training::Environment, Error> {
-        self.get(self.at(&["v1", "environments", environment.as_str()])).await
+        self.ask(endpoint::GET_TRAINING_ENVIRONMENT, &[environment.as_str()]).await
     }
 
     /// Removes a simulated environment.
@@ -90,7 +91,7 @@ impl Client {
         &self,
         environment: &EnvironmentId,
     ) -> Result<(), Error> {
-        self.delete(self.at(&["v1", "environments", environment.as_str()])).await
+        self.perform(endpoint::DELETE_TRAINING_ENVIRONMENT, &[environment.as_str()]).await
     }
 
     /// One page of the simulated environments, in the order of their names.
@@ -101,7 +102,7 @@ impl Client {
         &self,
         query: &PageQuery,
     ) -> Result<training::Page, Error> {
-        self.get(self.paged(&["v1", "environments"], query)).await
+        self.page(endpoint::LIST_TRAINING_ENVIRONMENTS, &[], query).await
     }
 
     /// All simulated environments, in the order of their names. An error ends the stream.
@@ -109,14 +110,17 @@ impl Client {
         &self,
     ) -> BoxStream<'static, Result<training::Environment, Error>> {
         let client = self.clone();
-        pages::all(format!("GET {}", self.at(&["v1", "environments"])), move |page_token| {
-            let client = client.clone();
-            async move {
-                let query = PageQuery { page_size: Some(training::MAX_PAGE_SIZE), page_token };
-                let page = client.list_training_environments(&query).await?;
-                Ok((page.environments, page.next_page_token))
-            }
-        })
+        pages::all(
+            format!("GET {}", self.url(endpoint::LIST_TRAINING_ENVIRONMENTS, &[])),
+            move |page_token| {
+                let client = client.clone();
+                async move {
+                    let query = PageQuery { page_size: Some(training::MAX_PAGE_SIZE), page_token };
+                    let page = client.list_training_environments(&query).await?;
+                    Ok((page.environments, page.next_page_token))
+                }
+            },
+        )
     }
 
     /// One page of the generations of an evolution. [`Client::generations`] walks over all pages.
@@ -128,9 +132,7 @@ impl Client {
         evolution: &EvolutionId,
         query: &PageQuery,
     ) -> Result<GenerationsPage, Error> {
-        let mut url = self.below_job::<EvolutionKind>(evolution, &["generations"]);
-        add_query(&mut url, query.page_size, query.page_token.as_deref(), None);
-        self.get(url).await
+        self.page(endpoint::LIST_GENERATIONS, &[evolution.as_str()], query).await
     }
 
     /// All generations of an evolution as far as they have ended, in their order. An error ends the stream.
@@ -139,7 +141,7 @@ impl Client {
         evolution: &EvolutionId,
     ) -> BoxStream<'static, Result<Generation, Error>> {
         let (client, evolution) = (self.clone(), evolution.clone());
-        let what = format!("GET {}", self.below_job::<EvolutionKind>(&evolution, &["generations"]));
+        let what = format!("GET {}", self.url(endpoint::LIST_GENERATIONS, &[evolution.as_str()]));
         pages::all(what, move |page_token| {
             let (client, evolution) = (client.clone(), evolution.clone());
             async move {
@@ -156,13 +158,19 @@ impl Client {
     /// FAILED_PRECONDITION before the first generation has ended, NOT_FOUND where the evolution is not known,
     /// [`Error::Protocol`] where the answer is no text, and whatever [`Error`] tells.
     pub async fn figure(&self, evolution: &EvolutionId, figure: Figure) -> Result<String, Error> {
-        self.svg(self.below_job::<EvolutionKind>(evolution, &["figures", figure.name()])).await
+        let names = [evolution.as_str(), figure.name()];
+        self.svg(self.url(endpoint::EVOLUTION_FIGURE, &names)).await
     }
 
-    fn paged(&self, path: &[&str], query: &PageQuery) -> Url {
-        let mut url = self.at(path);
+    async fn page<P: DeserializeOwned>(
+        &self,
+        endpoint: Endpoint<(), P>,
+        names: &[&str],
+        query: &PageQuery,
+    ) -> Result<P, Error> {
+        let mut url = self.url(endpoint, names);
         add_query(&mut url, query.page_size, query.page_token.as_deref(), None);
-        url
+        self.get(url).await
     }
 }
 

@@ -9,6 +9,7 @@ use hyper::{HeaderMap, Method, StatusCode};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use umwelt_api::evolution;
+use umwelt_api::evolution::EvolutionKind;
 use umwelt_api::problem::Status;
 
 const UNAVAILABLE: &str =

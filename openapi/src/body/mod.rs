@@ -23,8 +23,13 @@ use tree::Node;
 use typed::{Reader, Shapes};
 use utoipa::ToSchema;
 
+/// What goes over the wire and has a schema.
+pub trait Wired: ToSchema + Serialize + DeserializeOwned {}
+
+impl<T: ToSchema + Serialize + DeserializeOwned> Wired for T {}
+
 /// The body of a request.
-pub trait Body: Validate + Serialize + DeserializeOwned + ToSchema {
+pub trait Body: Validate + Wired {
     /// Most bytes of one.
     const MAX_BYTES: usize;
 

@@ -109,7 +109,7 @@ fn parameters(
         optional.push(("page_token", ParameterIn::Query, about, schema.into()));
     }
     if let Some((wire, about)) = operation.state {
-        optional.push(("state", ParameterIn::Query, about, wire.schema(schemas)));
+        optional.push(("state", ParameterIn::Query, about, wire.schema(schemas).1));
     }
     if operation.takes_key {
         let about = "Of this one intention to create: visible ASCII characters, best a random UUID";
@@ -159,7 +159,7 @@ fn answers(built: OperationBuilder, answer: Answer, schemas: &mut Schemas) -> Op
             let whole = ObjectBuilder::new()
                 .schema_type(SchemaType::Type(Type::String))
                 .description(Some("All that comes until the stream ends, as text"));
-            let either = OneOfBuilder::new().item(wire.schema(schemas)).item(whole).build();
+            let either = OneOfBuilder::new().item(wire.schema(schemas).1).item(whole).build();
             let content = ContentBuilder::new().schema(Some(Schema::OneOf(either)));
             let response = described("One event per `data:` line")
                 .content("text/event-stream", content.build());
@@ -195,8 +195,8 @@ fn document(built: OperationBuilder, media_type: &str, words: &str) -> Operation
 }
 
 fn content(wire: &Wire, schemas: &mut Schemas) -> Content {
-    let example = examples::of(&wire.name());
-    ContentBuilder::new().schema(Some(wire.schema(schemas))).example(example).build()
+    let (name, schema) = wire.schema(schemas);
+    ContentBuilder::new().schema(Some(schema)).example(examples::of(&name)).build()
 }
 
 /// A reference to the schema of `T`, which has no parts.

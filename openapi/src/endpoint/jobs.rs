@@ -140,6 +140,21 @@ endpoints! {
 mod tests {
     use super::*;
 
+    /// Guards against a kind of job whose client asks elsewhere than the table says.
+    #[test]
+    fn a_kind_of_job_is_where_its_kind_says() {
+        use crate::job::JobKind;
+        let at = |list: &str, name: &str| (format!("/v1/{list}"), format!("/v1/{list}/{{{name}}}"));
+        let of = |all: Operation, one: Operation| (all.path.to_owned(), one.path.to_owned());
+        let evolutions = of(LIST_EVOLUTIONS.operation(), GET_EVOLUTION.operation());
+        let comparisons = of(LIST_COMPARISONS.operation(), GET_COMPARISON.operation());
+        assert_eq!(evolutions, at(evolution::EvolutionKind::LIST, evolution::EvolutionKind::NAME));
+        assert_eq!(
+            comparisons,
+            at(comparison::ComparisonKind::LIST, comparison::ComparisonKind::NAME)
+        );
+    }
+
     #[test]
     fn the_columns_of_the_trials_are_those_that_are_written() {
         let columns = comparison::TRIALS_COLUMNS.join(",");

@@ -37,10 +37,9 @@ pub use robots::*;
 pub use server::*;
 pub use wire::{Schemas, Wire};
 
-use crate::body::Body;
+use crate::body::{Body, Wired};
 use std::marker::PhantomData;
 use utoipa::ToSchema;
-use wire::Wired;
 
 /// An endpoint whose request has a body `B` and whose answer is an `A`; `()` where there is none, or no JSON.
 #[derive(Clone, Copy, Debug)]

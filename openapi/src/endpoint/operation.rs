@@ -58,7 +58,7 @@ pub const BYTES: &str = "application/octet-stream";
 /// What a success answers.
 #[derive(Clone, Copy, Debug)]
 pub enum Answer {
-    /// JSON, with one of these codes and what each says; with 201 where it is, in `Location`, if it has just been named.
+    /// JSON, with one of these codes and what each says.
     Json(Wire, &'static [(u16, &'static str)]),
     /// The same, and `Location` says where what was created is.
     Created(Wire, &'static [(u16, &'static str)]),

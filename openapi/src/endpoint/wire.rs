@@ -1,7 +1,6 @@
 //! A type of the wire as a value: its schema, and whether JSON is one.
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use crate::body::Wired;
 #[cfg(test)]
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -10,11 +9,6 @@ use utoipa::openapi::{Ref, RefOr, Schema};
 
 /// Schemas by name.
 pub type Schemas = BTreeMap<String, RefOr<Schema>>;
-
-/// What goes over the wire and has a schema.
-pub trait Wired: ToSchema + Serialize + DeserializeOwned {}
-
-impl<T: ToSchema + Serialize + DeserializeOwned> Wired for T {}
 
 /// A type of the wire.
 #[derive(Clone, Copy, Debug)]
@@ -43,14 +37,9 @@ impl Wire {
         }
     }
 
-    /// A reference to its schema, which goes into `schemas` with all that it refers to.
-    pub fn schema(&self, schemas: &mut Schemas) -> RefOr<Schema> {
-        (self.schema)(schemas).1
-    }
-
-    /// The name of its schema.
-    pub fn name(&self) -> String {
-        (self.schema)(&mut Schemas::new()).0
+    /// The name of its schema and a reference to it; it goes into `schemas` with all that it refers to.
+    pub fn schema(&self, schemas: &mut Schemas) -> (String, RefOr<Schema>) {
+        (self.schema)(schemas)
     }
 
     /// What is written of it once this has been read.

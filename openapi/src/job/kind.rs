@@ -1,25 +1,16 @@
 //! What tells one kind of job from another.
 
 use super::State;
-use crate::body::Body;
+use crate::body::{Body, Wired};
 use crate::id::InvalidId;
 use crate::page::MAX_PAGE_SIZE;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use std::fmt::{Debug, Display};
 use std::str::FromStr;
-use utoipa::ToSchema;
 
-/// Something that goes over the wire and has a schema.
-pub trait Wire:
-    Clone + Debug + PartialEq + Serialize + DeserializeOwned + ToSchema + Send + Sync + 'static
-{
-}
+/// A part of a job on the wire.
+pub trait Wire: Wired + Clone + Debug + PartialEq + Send + Sync + 'static {}
 
-impl<T> Wire for T where
-    T: Clone + Debug + PartialEq + Serialize + DeserializeOwned + ToSchema + Send + Sync + 'static
-{
-}
+impl<T: Wired + Clone + Debug + PartialEq + Send + Sync + 'static> Wire for T {}
 
 /// A kind of job as the wire has it.
 pub trait JobKind: Copy + Debug + PartialEq + Send + Sync + 'static {

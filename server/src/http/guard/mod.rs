@@ -72,8 +72,7 @@ fn admit(rules: &Rules, request: &Request, is_preflight: bool) -> Result<(), Fai
     let own = host::check(rules.listen, &rules.hosts, request.uri(), headers)?;
     origin::check(&rules.origins, &own, method, headers)?;
     // A browser asks whether it may send a token before it sends it.
-    let is_open = is_preflight || is_open(request);
-    if let Some(token) = rules.token.as_ref().filter(|_| !is_open) {
+    if let Some(token) = rules.token.as_ref().filter(|_| !is_preflight && !is_open(request)) {
         token::check(token, headers)?;
     }
     origin::check_not_a_form(method, headers)
