@@ -70,6 +70,7 @@ pub struct Check {
 
 impl Check {
     /// The limits that hold for `value` and bodies like it.
+    #[cfg(feature = "document")]
     pub(crate) fn limits(value: &impl Validate) -> Vec<(String, Limit)> {
         let mut check = Self { limits: Some(Vec::new()), ..Self::default() };
         value.check(&mut check);

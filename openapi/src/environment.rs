@@ -5,9 +5,9 @@
 use crate::id::PriorId;
 use crate::prior::Source;
 use crate::robot::{DEFAULT_PRIOR, Method};
+use crate::schema::ToSchema;
 use crate::watch;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Probability mass of every interval.
 pub const LEVEL: f64 = 0.90;

@@ -1,8 +1,8 @@
 //! A number with how well it is known.
 
 use crate::number;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 // The schema has the name that it had when evolutions alone estimated something: names are the contract's.
 /// A mean with its 95 % confidence interval.

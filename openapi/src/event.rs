@@ -8,11 +8,11 @@ use crate::environment::Environment;
 use crate::id::RobotId;
 use crate::number;
 use crate::robot::{Pose, State};
+use crate::schema::ToSchema;
 use crate::step::Horizon;
 use crate::task::Progress;
 use crate::watch::{self, Watch};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Something that happened.
 ///

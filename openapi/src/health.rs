@@ -1,7 +1,7 @@
 //! Whether the server lives and takes requests.
 
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// The server answers: `/healthz` while it lives, `/readyz` while it takes requests (503 otherwise).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

@@ -1,11 +1,11 @@
 //! Names of resources.
 
 use crate::problem::{Detail, Problems, reason};
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
-use utoipa::ToSchema;
 
 /// Longest id: that of a DNS label, so that an id can be a host name.
 pub const MAX_ID_LENGTH: usize = 63;

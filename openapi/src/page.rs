@@ -2,8 +2,8 @@
 
 use crate::check::Check;
 use crate::problem::Problems;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Most items of one page of priors, evolutions or comparisons: some megabytes where each has a champion.
 pub const MAX_PAGE_SIZE: u64 = 500;

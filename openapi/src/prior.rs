@@ -11,8 +11,8 @@ use crate::id::{EvolutionId, PriorId, RobotId};
 use crate::page::Unreadable;
 use crate::problem::Problems;
 use crate::robot;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of a prior in bytes; a full one has 1 kB.
 pub const MAX_BODY: usize = 16 * 1024;

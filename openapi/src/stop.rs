@@ -1,8 +1,8 @@
 //! Stopping and resuming. It acts on the next exchange; the task is kept.
 
 use crate::id::RobotId;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// The answer to stopping or resuming one robot.
 ///

@@ -6,9 +6,9 @@ use crate::checked::Checked;
 use crate::id::RobotId;
 use crate::number;
 use crate::problem::Problems;
+use crate::schema::ToSchema;
 use crate::watch;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of a task in bytes; [`MAX_WAYPOINTS`] with every digit have 66 kB.
 pub const MAX_BODY: usize = 256 * 1024;

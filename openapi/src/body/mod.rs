@@ -14,6 +14,7 @@ mod typed;
 use crate::check::{Check, Validate};
 use crate::checked::Checked;
 use crate::problem::{Problems, reason};
+use crate::schema::ToSchema;
 use fault::Fault;
 use serde::Serialize;
 use serde::de::{DeserializeOwned, Error};
@@ -21,7 +22,6 @@ use serde_json::{Map, Value};
 use std::borrow::Cow;
 use tree::Node;
 use typed::{Reader, Shapes};
-use utoipa::ToSchema;
 
 /// What goes over the wire and has a schema.
 pub trait Wired: ToSchema + Serialize + DeserializeOwned {}

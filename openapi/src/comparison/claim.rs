@@ -2,8 +2,8 @@
 
 use super::Reductions;
 use crate::number;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// What the thesis claims of `bayesian` against `statistic`, and what it comes to in one environment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -6,8 +6,8 @@
 
 use super::{Progress, State};
 use crate::job::JobNews;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// What happened to a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

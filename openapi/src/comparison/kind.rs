@@ -3,8 +3,8 @@
 use super::{Kind, Progress, Report, Request, Spec};
 use crate::id::ComparisonId;
 use crate::job::{Job, JobDescription, JobEvent, JobKind, JobPage};
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Comparisons among the jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

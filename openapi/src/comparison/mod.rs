@@ -20,8 +20,8 @@ pub use report::{Difference, Entry, EnvironmentReport, Recognition, Report};
 pub use request::Request;
 pub use spec::{DEFAULT_PRIOR, KNOWN_METHODS, MAX_EPISODES, METHODS, Scenario, Spec, TRIALS};
 
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of a request in bytes; a full one has 2 kB.
 pub const MAX_BODY: usize = 16 * 1024;

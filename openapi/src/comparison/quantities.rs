@@ -1,8 +1,8 @@
 //! The three numbers that say how a quantity is distributed, and how two differ in them.
 
 use crate::estimate::Estimate;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Mean, median and 90 % quantile over the trials, each with its 95 % bootstrap interval; `mean` of each is its value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -3,8 +3,8 @@
 use super::{Claim, Quantities, Reductions};
 use crate::estimate::Estimate;
 use crate::number;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// When a contender believed to be in the environment that it was in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -6,8 +6,8 @@ use crate::check::{Check, Validate};
 use crate::checked::Checked;
 use crate::problem::{Problems, reason};
 use crate::robot::MAX_INTEGER;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// What is asked of a comparison. Everything may be left out.
 ///

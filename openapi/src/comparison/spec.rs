@@ -1,9 +1,9 @@
 //! What is asked of a comparison, all filled in, and the limits of it.
 
 use crate::number;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-use utoipa::ToSchema;
 
 /// Methods that are asked for, of different names.
 pub const METHODS: RangeInclusive<usize> = 1..=64;

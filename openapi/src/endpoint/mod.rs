@@ -35,11 +35,13 @@ pub use library::*;
 pub use operation::{Answer, BYTES, Method, Operation, Paged, Scope};
 pub use robots::*;
 pub use server::*;
-pub use wire::{Schemas, Wire};
+#[cfg(feature = "document")]
+pub use wire::Schemas;
+pub use wire::Wire;
 
 use crate::body::{Body, Wired};
+use crate::schema::ToSchema;
 use std::marker::PhantomData;
-use utoipa::ToSchema;
 
 /// An endpoint whose request has a body `B` and whose answer is an `A`; `()` where there is none, or no JSON.
 #[derive(Clone, Copy, Debug)]

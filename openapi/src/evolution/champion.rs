@@ -3,8 +3,8 @@
 use crate::estimate::Estimate;
 use crate::number;
 use crate::robot;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// A prior in one environment, on the seeds of the report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -7,8 +7,8 @@
 
 use super::{Generation, Progress, State};
 use crate::job::JobNews;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// What happened to an evolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -2,8 +2,8 @@
 
 use crate::number;
 use crate::robot;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// A generation in one environment. Each individual counts with its mean over its trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -3,8 +3,8 @@
 use super::{Champion, Generation, Kind, Progress, Request, Spec};
 use crate::id::{EvolutionId, PriorId};
 use crate::job::{Job, JobDescription, JobEvent, JobKind, JobPage};
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Evolutions among the jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

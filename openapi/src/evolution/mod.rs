@@ -24,8 +24,8 @@ pub use spec::{
     Spec, TRIALS,
 };
 
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of a request in bytes; a full one has 3 kB.
 pub const MAX_BODY: usize = 64 * 1024;

@@ -1,8 +1,8 @@
 //! Lists of generations.
 
 use super::Generation;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Most generations of one page: all that there can be, with many environments some megabytes.
 pub const MAX_GENERATIONS_SIZE: u64 = 1000;

@@ -7,8 +7,8 @@ use crate::checked::Checked;
 use crate::problem::{Problems, reason};
 use crate::robot::MAX_INTEGER;
 use crate::robot::MAX_SLOTS;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// What is asked of an evolution. Everything may be left out and then comes from the preset.
 ///

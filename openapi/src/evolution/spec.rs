@@ -2,9 +2,9 @@
 
 use crate::check::Range;
 use crate::number;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-use utoipa::ToSchema;
 
 /// Environments, of different names.
 pub const ENVIRONMENTS: RangeInclusive<usize> = 1..=32;

@@ -11,6 +11,7 @@ mod field;
 mod kind;
 mod query;
 mod resource;
+#[cfg(feature = "document")]
 mod schema;
 mod state;
 

@@ -1,7 +1,7 @@
 //! Where a job stands.
 
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 // The schema has the name that it had when evolutions alone were done in the background: names are the contract's.
 /// Where an evolution stands.

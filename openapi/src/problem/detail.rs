@@ -1,9 +1,9 @@
 //! One thing that is wrong.
 
+use crate::schema::ToSchema;
 use crate::visible;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use utoipa::ToSchema;
 
 /// Most details of one error: a body of 1000 bad waypoints must not answer with half a megabyte.
 /// The message tells how many there were.

@@ -20,10 +20,10 @@ pub use detail::{Detail, MAX_DETAILS, MAX_ECHO, MAX_REMEDY};
 pub use problems::Problems;
 pub use status::Status;
 
+use crate::schema::ToSchema;
 use crate::visible;
 use detail::shortened;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// What went wrong, as the server says it and the client hears it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

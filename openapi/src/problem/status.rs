@@ -1,7 +1,7 @@
 //! The kinds of problems and the HTTP status of each.
 
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// The kind of a problem, by its gRPC name. Success has none here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]

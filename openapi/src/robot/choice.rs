@@ -1,8 +1,8 @@
 //! The choices of a robot's controller: method, attribution, predictor.
 
 use crate::check::{Check, Range, Validate};
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Most agents: their steps must fit into a control cycle.
 pub const MAX_AGENTS: u64 = 10_000;

@@ -1,8 +1,8 @@
 //! The drive of a robot, and how well it is seen.
 
 use crate::check::{Check, Range, Validate};
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// From the wheels of a toy to those of a tractor.
 pub const WHEEL_RADIUS: Range = Range::new(0.001, 2.0, "m");

@@ -24,10 +24,10 @@ use crate::number;
 use crate::page::Unreadable;
 use crate::page::limits;
 use crate::problem::Problems;
+use crate::schema::ToSchema;
 use crate::task;
 use crate::watch::Watch;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of a description in bytes; a full one has 2 kB.
 pub const MAX_BODY: usize = 64 * 1024;

@@ -3,8 +3,8 @@
 use crate::check::{Check, Range, Validate};
 use crate::id::PriorId;
 use crate::named::NameOr;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-use utoipa::ToSchema;
 
 /// An error of ten times the commanded motion is no error ratio any more.
 pub const MU: Range = Range::new(-10.0, 10.0, "");

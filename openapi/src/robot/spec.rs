@@ -5,8 +5,8 @@ use crate::body;
 use crate::check::{Check, Range, Validate};
 use crate::checked::Checked;
 use crate::problem::Problems;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Most slots of one horizon: 2 s of 30 ms, beyond which no prediction is worth playing.
 pub const MAX_SLOTS: usize = 67;

@@ -4,9 +4,9 @@ use super::TIME;
 use crate::check::{Check, Range, Validate};
 use crate::number;
 use crate::robot::{MAX_INTEGER, MAX_SLOTS, WATCHDOG};
+use crate::schema::ToSchema;
 use crate::task;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// From a fast motor controller's cycle to that of a robot no one would call controlled.
 pub const SLOT: Range = Range::new(0.001, 1.0, "s");

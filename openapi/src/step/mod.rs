@@ -10,9 +10,9 @@ use crate::checked::Checked;
 use crate::number;
 use crate::problem::Problems;
 use crate::robot::{LINEAR_SPEED, MAX_INTEGER};
+use crate::schema::ToSchema;
 use crate::task::COORDINATE;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of a step in bytes; a full one has 6 KiB.
 pub const MAX_BODY: usize = 64 * 1024;

@@ -2,8 +2,8 @@
 
 use crate::check::{Check, Range, Validate};
 use crate::named::NameOr;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-use utoipa::ToSchema;
 
 /// At -1 the robot would not move, at 1 twice as far; no floor does either.
 pub const SLIP_MEAN: Range = Range::new(-0.999, 0.999, "");

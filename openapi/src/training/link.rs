@@ -4,8 +4,8 @@ use super::simulator;
 use crate::check::{Check, Range, Validate};
 use crate::named::NameOr;
 use crate::problem::reason;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-use utoipa::ToSchema;
 
 /// Up to five times the worst delay ever recorded.
 pub const DELAY: Range = Range::new(0.0, 60.0, "s");

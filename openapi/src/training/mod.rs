@@ -19,8 +19,8 @@ use crate::id::EnvironmentId;
 use crate::page::Unreadable;
 use crate::prior::MAX_NOTE;
 use crate::problem::Problems;
+use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// Largest body of an environment in bytes; the longest trace has 60 kB, the most outages 60 kB.
 pub const MAX_BODY: usize = 256 * 1024;

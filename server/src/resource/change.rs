@@ -1,6 +1,7 @@
 //! A change of a resource: run to its end, and what it did.
 
 use super::failure::{self, Failure};
+use std::pin::Pin;
 
 /// What a PUT did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,5 +16,7 @@ pub(crate) enum Put {
 pub(crate) async fn to_the_end<T: Send + 'static>(
     change: impl Future<Output = Result<T, Failure>> + Send + 'static,
 ) -> Result<T, Failure> {
+    // A task of each kind of change would be compiled for each: see docs/building.md.
+    let change: Pin<Box<dyn Future<Output = _> + Send>> = Box::pin(change);
     tokio::spawn(change).await.unwrap_or_else(|error| Err(failure::broken(&error)))
 }

@@ -140,7 +140,7 @@ fn what_is_left_out_is_what_the_contract_says() {
     let [one, twenty] =
         [comparison::DEFAULT_PRIOR, "thesis-20"].map(|name| Prior::built_in(name).unwrap());
     assert_eq!(priors, [(1, one), (20, twenty)]);
-    let words = serde_json::to_value(umwelt_api::document()).unwrap();
+    let words: serde_json::Value = serde_json::from_str(umwelt_api::DOCUMENT).unwrap();
     let request = &words["components"]["schemas"]["ComparisonRequest"]["properties"];
     assert!(request["trials"]["description"].as_str().unwrap().contains("null for 1000"));
 }

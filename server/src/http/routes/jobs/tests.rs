@@ -19,10 +19,10 @@ use serde_json::{Value, json};
 use tower::ServiceExt;
 use umwelt_api::job::{self, JobDescription, JobEvent, JobNews, State as WireState};
 use umwelt_api::problem::ErrorBody;
+use umwelt_api::schema::ToSchema;
 use umwelt_api::{Check, Checked, PriorId, Validate, body};
 use umwelt_lab::pool::{Pool, Priority};
 use umwelt_lab::wire::Pace;
-use utoipa::ToSchema;
 
 /// Countings among the jobs of the wire.
 #[derive(Clone, Copy, Debug, PartialEq)]

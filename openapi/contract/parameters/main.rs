@@ -1,7 +1,7 @@
 //! `docs/parameters.md` is what `openapi.json` says of every field that users send.
 //!
 //! The generator starts at the request bodies of the operations and follows each `$ref`. It knows no schema by its name.
-//! `UPDATE_GOLDEN=1 cargo test -p umwelt-api --test parameters` writes the file anew.
+//! `UPDATE_GOLDEN=1 cargo test -p umwelt-contract --test parameters` writes the file anew.
 
 mod effects;
 mod page;
@@ -10,7 +10,7 @@ mod unit;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/parameters.md");
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/parameters.md");
 
 fn document() -> Value {
     serde_json::to_value(umwelt_api::document()).expect("it is JSON")
@@ -25,7 +25,7 @@ fn the_page_is_what_the_contract_says() {
     let golden = std::fs::read_to_string(GOLDEN).unwrap_or_default();
     assert!(
         golden == now,
-        "docs/parameters.md is stale: UPDATE_GOLDEN=1 cargo test -p umwelt-api --test parameters"
+        "docs/parameters.md is stale: UPDATE_GOLDEN=1 cargo test -p umwelt-contract --test parameters"
     );
 }
 

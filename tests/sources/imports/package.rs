@@ -62,16 +62,23 @@ impl Package {
 pub fn all() -> Vec<Package> {
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--no-deps", "--format-version", "1", "--offline", "--manifest-path"])
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml"))
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml"))
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    list(&metadata["packages"]).iter().map(read).collect()
+    let packages = list(&metadata["packages"]).iter();
+    // A package of tests alone has no `src`.
+    packages.filter(|package| source(package).is_dir()).map(read).collect()
+}
+
+/// The folder of a package's production code.
+fn source(package: &Value) -> PathBuf {
+    Path::new(text(&package["manifest_path"])).with_file_name("src")
 }
 
 fn read(package: &Value) -> Package {
-    let source = Path::new(text(&package["manifest_path"])).with_file_name("src");
+    let source = source(package);
     let roots = |kind: &str| -> Vec<String> {
         let targets = list(&package["targets"]).iter();
         let of_kind = targets.filter(|target| list(&target["kind"]).iter().any(|it| it == kind));

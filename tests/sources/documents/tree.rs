@@ -7,7 +7,7 @@ const SKIPPED: [&str; 2] = ["target", "node_modules"];
 
 /// The root of the repository.
 pub fn root() -> PathBuf {
-    normal_path(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+    normal_path(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
 }
 
 /// The text of the file at `path`, from the root.

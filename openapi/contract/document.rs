@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
-const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../openapi.json");
 
 fn document() -> Value {
     serde_json::to_value(umwelt_api::document()).expect("it is JSON")
@@ -46,7 +46,7 @@ fn the_golden_file_is_what_the_code_says() {
         std::fs::write(GOLDEN, &now).unwrap();
     }
     let golden = std::fs::read_to_string(GOLDEN).unwrap_or_default();
-    assert!(golden == now, "openapi.json is stale: UPDATE_GOLDEN=1 cargo test -p umwelt-api");
+    assert!(golden == now, "openapi.json is stale: UPDATE_GOLDEN=1 cargo test -p umwelt-contract");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn no_schema_overwrites_another() {
         }
     }
     let mut text = String::new();
-    sources(concat!(env!("CARGO_MANIFEST_DIR"), "/src").as_ref(), &mut text);
+    sources(concat!(env!("CARGO_MANIFEST_DIR"), "/../src").as_ref(), &mut text);
     let named: Vec<_> = text
         .lines()
         .filter_map(|line| line.trim().strip_prefix("#[schema(as = ")?.strip_suffix(")]"))

@@ -10,6 +10,7 @@ pub type Layers<'a> = &'a [&'a [&'a str]];
 pub const LAYERS: &[(&str, Layers)] = &[
     ("umwelt-core", CORE),
     ("umwelt-api", API),
+    ("umwelt-no-schema", &[&["lib.rs"]]),
     ("umwelt-lab", LAB),
     ("umwelt-server", SERVER),
     ("umwelt-memory", &[&["lib.rs"]]),
@@ -57,7 +58,7 @@ const LAB: Layers = &[
 ];
 
 const API: Layers = &[
-    &["visible.rs", "named.rs", "number.rs"],
+    &["visible.rs", "named.rs", "number.rs", "schema.rs"],
     &["problem/"],
     &["check.rs", "checked.rs", "id.rs", "idempotency.rs", "token.rs"],
     &["body/", "page.rs", "built_in.rs"],

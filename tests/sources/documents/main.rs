@@ -125,7 +125,7 @@ fn what_the_code_cites_of_the_thesis_can_be_looked_up() {
     assert!(known.len() > 50, "{known:?}");
     let mut missing = Vec::new();
     for path in tree::files("rs") {
-        if path.starts_with("tests/tests/documents/") {
+        if path.starts_with("tests/sources/documents/") {
             continue;
         }
         let text = citation::in_one_line(&tree::read(&path)).to_lowercase();

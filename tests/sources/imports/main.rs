@@ -4,7 +4,7 @@
 //!
 //! A file names another where a path or a `use` in it leads to an item that the other one defines; re-exports are
 //! followed to where the item is. What a module declares, and what it shows of its own modules, does not count. Neither do
-//! documentation and tests. `cargo test -p umwelt-tests --test imports -- --nocapture` prints the counts.
+//! documentation and tests. `cargo test -p umwelt-sources --test imports -- --nocapture` prints the counts.
 
 mod graph;
 mod known;

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 const FRONT: &str = "# Parameters\n\n\
     Every field of every body that the server accepts. Generated from `openapi/openapi.json` by \
-    `UPDATE_GOLDEN=1 cargo test -p umwelt-api --test parameters`: do not edit it here.\n\n\
+    `UPDATE_GOLDEN=1 cargo test -p umwelt-contract --test parameters`: do not edit it here.\n\n\
     A field that is not required may be left out; it then has its default. \"null\" as a default means that the field is \
     not set, and the meaning says what counts then. Lengths are in m, angles in rad, times in s; a slot is 30 ms. The range \
     includes both ends. A contradiction between fields is answered with 409, a value outside its range with 400; both name \
