@@ -24,6 +24,7 @@ pub struct Wire {
 }
 
 impl Wire {
+    #[cfg_attr(not(feature = "document"), expect(clippy::extra_unused_type_parameters))]
     pub(super) const fn of<T: Wired>() -> Self {
         Self {
             #[cfg(feature = "document")]
@@ -34,6 +35,7 @@ impl Wire {
     }
 
     /// A type that is written in a query alone.
+    #[cfg_attr(not(feature = "document"), expect(clippy::extra_unused_type_parameters))]
     pub(super) const fn query<T: ToSchema>() -> Self {
         Self {
             #[cfg(feature = "document")]
