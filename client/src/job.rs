@@ -9,7 +9,8 @@ use futures_util::stream::BoxStream;
 use reqwest::{Method, Url};
 use tower::util::rng::{HasherRng, Rng};
 use umwelt_api::IdempotencyKey;
-use umwelt_api::job::{Job, JobKind, JobPage, PageQuery, State};
+use umwelt_api::job::{Job, JobKind, JobPage, State};
+use umwelt_api::page::PageQuery;
 
 /// An idempotency key that no other caller has: 128 random bits.
 ///
@@ -59,10 +60,12 @@ impl Client {
     ///
     /// # Errors
     /// Whatever [`Error`] tells.
-    pub async fn list_jobs<K: JobKind>(&self, query: &PageQuery) -> Result<JobPage<K>, Error> {
+    pub async fn list_jobs<K: JobKind>(
+        &self,
+        query: &PageQuery<State>,
+    ) -> Result<JobPage<K>, Error> {
         let mut url = self.at(&["v1", K::LIST]);
-        let state = query.state.map(State::name);
-        add_query(&mut url, query.page_size, query.page_token.as_deref(), state);
+        add_query(&mut url, query, |state| state.name());
         self.get(url).await
     }
 

@@ -6,7 +6,7 @@ use crate::pages::{add_query, all};
 use futures_util::stream::TryStreamExt;
 use serde::de::DeserializeOwned;
 use umwelt_api::job::{JobKind, JobPage};
-use umwelt_api::page::MAX_PAGE_SIZE;
+use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
 use umwelt_api::{prior, robot, training};
 
 /// A page of a list, which takes in the pages behind it.
@@ -35,7 +35,9 @@ impl Client {
         let (client, state) = (self.clone(), state.map(str::to_owned));
         let pages = all(what, move |token| {
             let mut url = client.at(&["v1", L::PATH]);
-            add_query(&mut url, Some(L::PAGE_SIZE), token.as_deref(), state.as_deref());
+            let page_size = Some(L::PAGE_SIZE);
+            let query = PageQuery { page_size, page_token: token, state: state.clone() };
+            add_query(&mut url, &query, String::as_str);
             let client = client.clone();
             async move {
                 let mut page: L = client.get(url).await?;

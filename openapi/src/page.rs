@@ -20,27 +20,45 @@ pub(crate) const ID_TOKEN: &str = "^[a-z0-9-]{1,63}$";
 /// A page token that is the last number of the page before.
 pub(crate) const NUMBER_TOKEN: &str = "^[0-9]{1,19}$";
 
-/// Which part of a list to show: the query of `GET /v1/priors`, `/v1/environments` and
-/// `/v1/evolutions/{evolution}/generations`.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PageQuery {
-    /// Most items to list.
-    #[serde(skip_serializing_if = "Option::is_none")]
+/// The state of what has none: its list cannot be narrowed down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Stateless {}
+
+/// Which part of a list to show: the query of `GET /v1/priors`, say. Of robots and jobs, those in one state.
+///
+/// ```
+/// use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
+/// let query: PageQuery = PageQuery { page_size: Some(501), ..PageQuery::default() };
+/// let problems = query.checked(MAX_PAGE_SIZE).err().unwrap();
+/// assert_eq!(problems.details()[0].remedy, "use an integer from 1 to 500");
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PageQuery<S = Stateless> {
+    /// Most items to list; the default of the list where nothing is said.
     pub page_size: Option<u64>,
     /// The `next_page_token` of the page before.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub page_token: Option<String>,
+    /// Only those in this state.
+    pub state: Option<S>,
 }
 
-impl PageQuery {
+impl<S> Default for PageQuery<S> {
+    /// The first page, of the default size, whatever the state.
+    fn default() -> Self {
+        Self { page_size: None, page_token: None, state: None }
+    }
+}
+
+impl<S> PageQuery<S> {
     /// The query, if every part of it is in range; `max_page_size` is that of the list.
     ///
     /// # Errors
     /// Every parameter that is not.
     pub fn checked(self, max_page_size: u64) -> Result<Self, Problems> {
         let mut check = Check::default();
-        limits(&mut check, self.page_size, self.page_token.as_deref(), max_page_size);
+        check.integer("page_size", self.page_size.unwrap_or(1), 1..=max_page_size);
+        let token = self.page_token.as_deref().map_or(0, str::len);
+        check.length("page_token", token, 0..=MAX_PAGE_TOKEN);
         check.finish()?;
         Ok(self)
     }
@@ -59,10 +77,4 @@ pub struct Unreadable {
     pub why: String,
     /// What to do about it.
     pub remedy: String,
-}
-
-/// Checks what every query of a list has.
-pub(crate) fn limits(check: &mut Check, size: Option<u64>, token: Option<&str>, max: u64) {
-    check.integer("page_size", size.unwrap_or(1), 1..=max);
-    check.length("page_token", token.map_or(0, str::len), 0..=MAX_PAGE_TOKEN);
 }

@@ -52,7 +52,7 @@ impl Client {
         pages::all(format!("GET {}", self.url(endpoint::LIST_PRIORS, &[])), move |page_token| {
             let client = client.clone();
             async move {
-                let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token };
+                let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token, state: None };
                 let page = client.list_priors(&query).await?;
                 Ok((page.priors, page.next_page_token))
             }
@@ -115,7 +115,11 @@ impl Client {
             move |page_token| {
                 let client = client.clone();
                 async move {
-                    let query = PageQuery { page_size: Some(training::MAX_PAGE_SIZE), page_token };
+                    let query = PageQuery {
+                        page_size: Some(training::MAX_PAGE_SIZE),
+                        page_token,
+                        state: None,
+                    };
                     let page = client.list_training_environments(&query).await?;
                     Ok((page.environments, page.next_page_token))
                 }
@@ -145,7 +149,7 @@ impl Client {
         pages::all(what, move |page_token| {
             let (client, evolution) = (client.clone(), evolution.clone());
             async move {
-                let query = PageQuery { page_size: None, page_token };
+                let query = PageQuery { page_token, ..PageQuery::default() };
                 let page = client.list_generations(&evolution, &query).await?;
                 Ok((page.generations, page.next_page_token))
             }
@@ -169,7 +173,7 @@ impl Client {
         query: &PageQuery,
     ) -> Result<P, Error> {
         let mut url = self.url(endpoint, names);
-        add_query(&mut url, query.page_size, query.page_token.as_deref(), None);
+        add_query(&mut url, query, |state| match *state {});
         self.get(url).await
     }
 }

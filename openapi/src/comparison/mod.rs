@@ -10,7 +10,7 @@ mod request;
 mod spec;
 
 pub use crate::estimate::Estimate;
-pub use crate::job::{PageQuery, State};
+pub use crate::job::State;
 pub use claim::{Claim, Finding, FindingResult, FindingSubject};
 pub use event::Kind;
 pub use kind::{Comparison, ComparisonKind, Event, Outcome, Page};

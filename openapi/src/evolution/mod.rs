@@ -10,7 +10,7 @@ mod request;
 mod spec;
 
 pub use crate::estimate::Estimate;
-pub use crate::job::{PageQuery, State};
+pub use crate::job::State;
 pub use champion::{Champion, Entry, EnvironmentResult, Ranking};
 pub use event::Kind;
 pub use generation::{Generation, GenerationEnvironment};

@@ -9,13 +9,11 @@
 
 mod field;
 mod kind;
-mod query;
 mod resource;
 #[cfg(feature = "document")]
 mod schema;
 mod state;
 
 pub use kind::{JobDescription, JobKind, JobNews, Wire};
-pub use query::PageQuery;
 pub use resource::{Job, JobEvent, JobPage};
 pub use state::State;

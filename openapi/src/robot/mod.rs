@@ -17,13 +17,9 @@ pub use spec::{
     Spec, Steering, TURN, VarianceLimits, WATCHDOG,
 };
 
-use crate::check::{Check, Validate};
-use crate::checked::Checked;
 use crate::id::RobotId;
 use crate::number;
 use crate::page::Unreadable;
-use crate::page::limits;
-use crate::problem::Problems;
 use crate::schema::ToSchema;
 use crate::task;
 use crate::watch::Watch;
@@ -126,35 +122,4 @@ pub struct Page {
     pub unreadable: Vec<Unreadable>,
     /// Where the next page begins; null on the last one.
     pub next_page_token: Option<String>,
-}
-
-/// Which robots to list: the query of `GET /v1/robots`.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PageQuery {
-    /// Most robots to list; [`DEFAULT_PAGE_SIZE`] where nothing is said.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub page_size: Option<u64>,
-    /// The `next_page_token` of the page before.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub page_token: Option<String>,
-    /// Only robots in this state.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub state: Option<State>,
-}
-
-impl Validate for PageQuery {
-    fn check(&self, check: &mut Check) {
-        limits(check, self.page_size, self.page_token.as_deref(), MAX_PAGE_SIZE);
-    }
-}
-
-impl PageQuery {
-    /// The query, if every part of it is in range.
-    ///
-    /// # Errors
-    /// Every parameter that is not.
-    pub fn checked(self) -> Result<Checked<Self>, Problems> {
-        Checked::new(self)
-    }
 }

@@ -2,12 +2,12 @@
 
 use super::record::UPGRADES;
 use super::work::Work;
-use crate::store::JobKind;
+use crate::store::StoredKind;
 use crate::store::document::Form;
 pub(crate) use umwelt_lab::fake_work::{FakeSettings, FakeWork};
 
 impl Work for FakeWork {
-    const KIND: JobKind = JobKind::Counting;
+    const KIND: StoredKind = StoredKind::Counting;
     const FORM: &'static Form = &Form { is_within: true, upgrades: UPGRADES, base: "{}" };
     type Spec = FakeSettings;
     type Own = ();

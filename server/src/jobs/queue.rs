@@ -11,7 +11,7 @@ use super::start::Start;
 use super::work::Work;
 use crate::resource::failure::{self, Failure};
 use crate::store::{
-    Change, Contents, JobId, JobKind, Keeper, Kind, StoredJob, Unreadable, Unreadables,
+    Change, Contents, JobId, Keeper, Kind, StoredJob, StoredKind, Unreadable, Unreadables,
 };
 use std::collections::BTreeMap;
 use std::io;
@@ -258,7 +258,7 @@ impl<W: Work> Submitting<'_, W> {
 }
 
 /// The number in the id of a job.
-fn number(kind: JobKind, id: &str) -> Option<u64> {
+fn number(kind: StoredKind, id: &str) -> Option<u64> {
     id.strip_prefix(kind.name())?.strip_prefix('-')?.parse().ok()
 }
 

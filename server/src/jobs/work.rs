@@ -1,13 +1,13 @@
 //! What tells one kind of job from another.
 
 use crate::store::document::Form;
-use crate::store::{Change, JobId, JobKind};
+use crate::store::{Change, JobId, StoredKind};
 use umwelt_lab::work::Plain;
 
 /// The work of lab as the server keeps it: what it is among jobs, and how its settings are written down.
 pub(crate) trait Work: umwelt_lab::work::Work {
     /// Its kind.
-    const KIND: JobKind;
+    const KIND: StoredKind;
     /// How its record is kept: what leads to today's form, and what missing settings mean.
     const FORM: &'static Form;
     /// Its settings as they are kept: specs of the wire, and what names stood for when they were given.

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// What the server does in the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum JobKind {
+pub enum StoredKind {
     /// A prior is searched for.
     Evolution,
     /// Methods are compared.
@@ -14,7 +14,7 @@ pub enum JobKind {
     Counting,
 }
 
-impl JobKind {
+impl StoredKind {
     /// Every kind.
     pub const ALL: [Self; 2] = [Self::Evolution, Self::Comparison];
 
@@ -34,7 +34,7 @@ impl JobKind {
     }
 }
 
-impl fmt::Display for JobKind {
+impl fmt::Display for StoredKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
@@ -44,7 +44,7 @@ impl fmt::Display for JobKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JobId {
     /// What it does.
-    pub kind: JobKind,
+    pub kind: StoredKind,
     /// Its number: greater than that of every job of its kind before it, and never used again.
     pub number: u64,
 }

@@ -1,8 +1,8 @@
 //! A store that lasts as long as the process.
 
 use super::{
-    Change, Contents, JobId, JobKind, Part, Posterior, Record, Store, StoreError,
-    StoredEnvironment, StoredJob, StoredPrior, StoredRobot,
+    Change, Contents, JobId, Part, Posterior, Record, Store, StoreError, StoredEnvironment,
+    StoredJob, StoredKind, StoredPrior, StoredRobot,
 };
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -18,7 +18,7 @@ struct Kept {
     priors: BTreeMap<String, StoredPrior>,
     environments: BTreeMap<String, StoredEnvironment>,
     jobs: BTreeMap<JobId, Job>,
-    last_numbers: BTreeMap<JobKind, u64>,
+    last_numbers: BTreeMap<StoredKind, u64>,
 }
 
 #[derive(Debug)]

@@ -15,7 +15,7 @@ mod stop_journal;
 mod stop_keeper;
 mod unreadable;
 
-pub use job_id::{JobId, JobKind};
+pub use job_id::{JobId, StoredKind};
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
 pub use record::{

@@ -1,6 +1,6 @@
 //! What is kept, as the server sees it.
 
-use super::job_id::{JobId, JobKind};
+use super::job_id::{JobId, StoredKind};
 use super::unreadable::Unreadable;
 use std::collections::BTreeMap;
 use umwelt_api::RobotId;
@@ -101,17 +101,17 @@ pub struct Contents {
     /// What cannot be read, and stays as it is until someone puts another in its place or removes it.
     pub unreadable: Vec<Unreadable>,
     /// Highest number that a job of each kind ever had; a kind that never had one may be missing.
-    pub last_numbers: BTreeMap<JobKind, u64>,
+    pub last_numbers: BTreeMap<StoredKind, u64>,
 }
 
 impl Contents {
     /// The jobs of one kind, in the order of their numbers.
-    pub fn jobs_of(&self, kind: JobKind) -> impl Iterator<Item = &StoredJob> {
+    pub fn jobs_of(&self, kind: StoredKind) -> impl Iterator<Item = &StoredJob> {
         self.jobs.iter().filter(move |job| job.id.kind == kind)
     }
 
     /// Highest number that a job of this kind ever had; 0 before the first.
-    pub fn last_number(&self, kind: JobKind) -> u64 {
+    pub fn last_number(&self, kind: StoredKind) -> u64 {
         self.last_numbers.get(&kind).copied().unwrap_or(0)
     }
 }

@@ -68,7 +68,7 @@ fn put_posterior(name: &str, revision: u64, deliveries: u64) -> Change {
     Change::PutPosterior(id(name), Box::new(Posterior { revision, saved }))
 }
 
-pub(crate) fn id_of(kind: JobKind, number: u64) -> JobId {
+pub(crate) fn id_of(kind: StoredKind, number: u64) -> JobId {
     JobId { kind, number }
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn job(id: JobId, body: &str) -> StoredJob {
 }
 
 pub(crate) fn evolution(number: u64, body: &str) -> StoredJob {
-    job(id_of(JobKind::Evolution, number), body)
+    job(id_of(StoredKind::Evolution, number), body)
 }
 
 fn prior(name: &str, source: Source) -> StoredPrior {
@@ -93,8 +93,8 @@ fn environment(name: &str, body: &str) -> StoredEnvironment {
 pub(crate) fn all_kinds() -> Vec<Vec<Change>> {
     let part = |job, index, body: &str| Change::PutPart { job, index, body: body.into() };
     let checkpoint = |job, body: &str| Change::PutCheckpoint { job, body: body.into() };
-    let [one, ten, nowhere] = [1, 10, 99].map(|number| id_of(JobKind::Evolution, number));
-    let compared = id_of(JobKind::Comparison, 10);
+    let [one, ten, nowhere] = [1, 10, 99].map(|number| id_of(StoredKind::Evolution, number));
+    let compared = id_of(StoredKind::Comparison, 10);
     let champion = Source::Evolution {
         evolution: "evolution-1".parse().unwrap(),
         seed: u64::MAX,
@@ -144,8 +144,8 @@ fn both_stores_keep_the_same() {
             let id = id_of(kind, number);
             (store.parts(id, 0, 9).unwrap(), store.checkpoint(id).unwrap())
         };
-        let [one, ten] = [1, 10].map(|number| of(JobKind::Evolution, number));
-        (store.load().unwrap(), one, ten, of(JobKind::Comparison, 10))
+        let [one, ten] = [1, 10].map(|number| of(StoredKind::Evolution, number));
+        (store.load().unwrap(), one, ten, of(StoredKind::Comparison, 10))
     };
     let [(_, memory, _), (_, sqlite, _directory)] = stores().try_into().ok().unwrap();
     for changes in all_kinds() {
@@ -162,9 +162,9 @@ fn both_stores_keep_the_same() {
     assert!(contents.robots[1].record.stopped);
     assert_eq!(contents.environments, [environment("ice", "2")]);
     assert_eq!(contents.priors.len(), 1);
-    let compared = job(id_of(JobKind::Comparison, 10), "compared");
+    let compared = job(id_of(StoredKind::Comparison, 10), "compared");
     assert_eq!(contents.jobs, [evolution(1, "one again"), evolution(3, "three"), compared]);
-    let last = JobKind::ALL.map(|kind| contents.last_number(kind));
+    let last = StoredKind::ALL.map(|kind| contents.last_number(kind));
     assert_eq!(last, [10, 10], "a number never comes back");
     let bodies: Vec<_> = parts.iter().map(|part| part.body.as_str()).collect();
     assert_eq!(bodies, ["g0", "g1 again", "g2"]);
@@ -176,7 +176,7 @@ fn both_stores_keep_the_same() {
 #[test]
 fn parts_come_in_pages() {
     for (name, store, _directory) in stores() {
-        let [job, other] = [1, 2].map(|number| id_of(JobKind::Evolution, number));
+        let [job, other] = [1, 2].map(|number| id_of(StoredKind::Evolution, number));
         let put = |index| Change::PutPart { job, index, body: format!("{index}") };
         let first = Change::PutJob(evolution(1, ""));
         store.commit(std::iter::once(first).chain((0..10).map(put)).collect()).unwrap();

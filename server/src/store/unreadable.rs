@@ -2,7 +2,7 @@
 //! no one but those who put another in its place or remove it.
 
 use super::document;
-use super::job_id::JobKind;
+use super::job_id::StoredKind;
 use crate::resource::failure::Failure;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
@@ -14,7 +14,7 @@ pub(crate) enum Kind {
     Robot,
     Prior,
     Environment,
-    Job(JobKind),
+    Job(StoredKind),
 }
 
 impl Kind {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use umwelt_api::comparison::{Request, TRIALS_COLUMNS};
 use umwelt_server::offline::{Order, compare};
-use umwelt_server::store::{JobId, JobKind, MemoryStore};
+use umwelt_server::store::{JobId, MemoryStore, StoredKind};
 use umwelt_server::{Config, Store};
 
 const PATH: &str = "/v1/comparisons";
@@ -37,7 +37,7 @@ fn pair(status: &str, reason: &str) -> (String, String) {
 }
 
 fn id(number: u64) -> JobId {
-    JobId { kind: JobKind::Comparison, number }
+    JobId { kind: StoredKind::Comparison, number }
 }
 
 #[tokio::test]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use umwelt_api::evolution::Request;
 use umwelt_server::offline::{Order, evolve};
-use umwelt_server::store::{Change, JobId, JobKind, MemoryStore};
+use umwelt_server::store::{Change, JobId, MemoryStore, StoredKind};
 use umwelt_server::{Config, Priority, Server, Store};
 
 /// Far above what anything here takes, on whatever machine.
@@ -326,7 +326,7 @@ async fn a_checkpoint_that_cannot_be_used_ends_its_evolution_and_nothing_else() 
             next = first.begin(&small()).await;
         })
         .await;
-        let job = JobId { kind: JobKind::Evolution, number: 1 };
+        let job = JobId { kind: StoredKind::Evolution, number: 1 };
         let change = Change::PutCheckpoint { job, body: checkpoint.to_owned() };
         store.commit(vec![change]).unwrap();
         let second = serve(store.clone()).await;
@@ -408,7 +408,7 @@ async fn the_oldest_that_have_ended_are_forgotten() {
     let second = api.begin(&small()).await;
     ended(&api, &second).await;
     assert_eq!((api.get(&first).await.code, api.get(&second).await.code), (404, 200));
-    let gone = JobId { kind: JobKind::Evolution, number: 1 };
+    let gone = JobId { kind: StoredKind::Evolution, number: 1 };
     assert_eq!(store.parts(gone, 0, 9).unwrap(), []);
     assert_eq!(api.get("/v1/priors/evolution-1").await.code, 200);
     assert_eq!(api.delete(&second).await.code, 204);

@@ -12,7 +12,7 @@ use umwelt_core::controller::Controller;
 use umwelt_core::settings::{Prior, Settings};
 use umwelt_server::Store;
 use umwelt_server::store::{
-    Change, Contents, JobId, JobKind, Posterior, Record, SqliteStore, StoredJob, StoredPrior,
+    Change, Contents, JobId, Posterior, Record, SqliteStore, StoredJob, StoredKind, StoredPrior,
 };
 
 /// Where the child is to keep things.
@@ -29,7 +29,7 @@ const PARTS: u64 = 10;
 
 /// One of each kind, and again.
 fn job(writer: u64) -> JobId {
-    let kind = JobKind::ALL[(writer % 2) as usize];
+    let kind = StoredKind::ALL[(writer % 2) as usize];
     JobId { kind, number: writer / 2 + 1 }
 }
 

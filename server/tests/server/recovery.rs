@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::Duration;
 use tempfile::tempdir;
-use umwelt_server::store::{DATA_FILE, JobId, JobKind, SqliteStore};
+use umwelt_server::store::{DATA_FILE, JobId, SqliteStore, StoredKind};
 use umwelt_server::{Server, Store};
 
 const A_SECOND: Duration = Duration::from_secs(1);
@@ -262,7 +262,7 @@ async fn a_data_file_of_version_1_is_taken_up_with_its_evolutions() {
     let before = [body(1), body(2)];
     drop(file);
     let store = Arc::new(SqliteStore::open(directory.path()).unwrap());
-    let id = |number| JobId { kind: JobKind::Evolution, number };
+    let id = |number| JobId { kind: StoredKind::Evolution, number };
     let kept = |number| {
         let parts = store.parts(id(number), 0, 2).unwrap();
         parts.into_iter().map(|part| part.body).collect::<String>()

@@ -84,7 +84,8 @@ fn read(package: &Value) -> Package {
         let of_kind = targets.filter(|target| list(&target["kind"]).iter().any(|it| it == kind));
         of_kind.map(|target| below(&source, Path::new(text(&target["src_path"])))).collect()
     };
-    let (library, programs) = (roots("lib"), roots("bin"));
+    let (mut library, programs) = (roots("lib"), roots("bin"));
+    library.extend(roots("proc-macro"));
     let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
     let mut files = Files::new();
     collect(&source, &source, &mut files);

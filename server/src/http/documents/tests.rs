@@ -1,11 +1,11 @@
 use super::*;
 use crate::store::JobId;
-use crate::store::JobKind;
+use crate::store::StoredKind;
 use axum::http::{HeaderMap, StatusCode, header};
 use std::sync::mpsc;
 
 fn name(number: u64) -> Name {
-    Name { job: JobId { kind: JobKind::Comparison, number }, what: "figure", state: 0 }
+    Name { job: JobId { kind: StoredKind::Comparison, number }, what: "figure", state: 0 }
 }
 
 async fn nothing() -> Result<(), Failure> {

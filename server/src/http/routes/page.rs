@@ -6,7 +6,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 use std::marker::PhantomData;
 use std::str::FromStr;
-use umwelt_api::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, PageQuery};
+use umwelt_api::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, PageQuery, Stateless};
 use umwelt_api::problem::{Detail, Problems, Status, reason};
 use umwelt_api::{EnvironmentId, PriorId, RobotId, evolution, robot, training};
 
@@ -23,10 +23,6 @@ pub(crate) trait Listed {
     /// Items of a page where nothing is said.
     const DEFAULT_SIZE: u64 = DEFAULT_PAGE_SIZE;
 }
-
-/// There are no states.
-#[derive(Debug, serde::Deserialize)]
-pub(crate) enum Stateless {}
 
 /// Robots, in the order of their ids.
 pub(crate) struct Robots;
@@ -99,7 +95,7 @@ impl<L: Listed, S: Sync> FromRequestParts<S> for Query<L> {
 }
 
 fn read<L: Listed>(pairs: &[(String, String)]) -> Result<Query<L>, Failure> {
-    let (mut query, mut after, mut state) = (PageQuery::default(), None, None);
+    let (mut query, mut after) = (PageQuery::default(), None);
     let mut wrong = Vec::new();
     for (name, value) in pairs {
         let mut refuse = |reason: &str, remedy: &str| {
@@ -118,19 +114,20 @@ fn read<L: Listed>(pairs: &[(String, String)]) -> Result<Query<L>, Failure> {
                 }
             }
             ("state", Some(states)) => match serde_json::from_value(value.as_str().into()) {
-                Ok(given) => state = Some(given),
+                Ok(given) => query.state = Some(given),
                 Err(_) => refuse(reason::MALFORMED, &format!("use {states}")),
             },
             (_, Some(_)) => refuse(reason::UNKNOWN_FIELD, "use page_size, page_token, state"),
             (_, None) => refuse(reason::UNKNOWN_FIELD, "use page_size, page_token"),
         }
     }
-    let size = query.page_size.unwrap_or(L::DEFAULT_SIZE);
-    let checked = query.checked(L::MAX_SIZE);
-    wrong.extend(checked.as_ref().err().into_iter().flat_map(Problems::details).cloned());
-    if wrong.is_empty() {
-        // Checked, so it fits.
-        return Ok(Query { size: usize::try_from(size).unwrap_or(usize::MAX), after, state });
+    match query.checked(L::MAX_SIZE) {
+        Ok(PageQuery { page_size, state, .. }) if wrong.is_empty() => {
+            // Checked, so it fits.
+            let size = usize::try_from(page_size.unwrap_or(L::DEFAULT_SIZE)).unwrap_or(usize::MAX);
+            return Ok(Query { size, after, state });
+        }
+        checked => wrong.extend(checked.err().iter().flat_map(Problems::details).cloned()),
     }
     let message = format!("{} parts of the query are wrong", wrong.len());
     let failure = Failure::new(Status::InvalidArgument, message);

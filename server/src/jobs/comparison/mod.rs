@@ -4,13 +4,13 @@ mod kept;
 mod wire;
 
 use crate::jobs::Work;
-use crate::store::JobKind;
+use crate::store::StoredKind;
 use crate::store::document::Form;
 use umwelt_api::PriorId;
 use umwelt_lab::comparison::{Comparison, ComparisonSettings};
 
 impl Work for Comparison {
-    const KIND: JobKind = JobKind::Comparison;
+    const KIND: StoredKind = StoredKind::Comparison;
     const FORM: &'static Form = &kept::FORM;
     type Spec = kept::Spec;
     /// The name of the prior of the contender `bayesian`, whose values the settings hold.

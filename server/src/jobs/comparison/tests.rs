@@ -65,7 +65,7 @@ fn settings_of_every_scenario_come_back() {
 #[test]
 fn records_of_every_version_mean_what_they_meant() {
     let write = |record: &Record<Comparison>| {
-        record.stored(crate::store::JobId { kind: JobKind::Comparison, number: 1 }).unwrap().body
+        record.stored(crate::store::JobId { kind: StoredKind::Comparison, number: 1 }).unwrap().body
     };
     golden(&kept::FORM, "jobs/comparison/golden/least", 2, Record::read, write);
     let newest = golden(&kept::FORM, "jobs/comparison/golden/record", 2, Record::read, write);

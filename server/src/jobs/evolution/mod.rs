@@ -9,12 +9,12 @@ pub(crate) use champion::{claim, claimant};
 use crate::jobs::{SuccessEffect, Work};
 use crate::library::priors::Priors;
 use crate::store::document::Form;
-use crate::store::{JobId, JobKind};
+use crate::store::{JobId, StoredKind};
 use umwelt_api::PriorId;
 use umwelt_lab::evolution::{Evolution, EvolutionSettings, Report};
 
 impl Work for Evolution {
-    const KIND: JobKind = JobKind::Evolution;
+    const KIND: StoredKind = StoredKind::Evolution;
     const FORM: &'static Form = &kept::FORM;
     type Spec = kept::Spec;
     /// The name that the champion gets.

@@ -69,7 +69,7 @@ fn a_record_that_would_not_be_read_back_is_refused() {
         report: None,
         reached: checkpoint.reached(),
     };
-    let id = JobId { kind: JobKind::Evolution, number: 3 };
+    let id = JobId { kind: StoredKind::Evolution, number: 3 };
     let stored = record.stored(id).unwrap();
     assert_eq!(Record::read(&stored.body).as_ref(), Ok(&record));
     assert!(!stored.finished);
@@ -80,7 +80,7 @@ fn a_record_that_would_not_be_read_back_is_refused() {
 #[test]
 fn records_of_every_version_mean_what_they_meant() {
     let write = |record: &Record<Evolution>| {
-        record.stored(JobId { kind: JobKind::Evolution, number: 1 }).unwrap().body
+        record.stored(JobId { kind: StoredKind::Evolution, number: 1 }).unwrap().body
     };
     for name in ["running", "least"] {
         golden(&kept::FORM, &format!("jobs/evolution/golden/{name}"), 2, Record::read, write);

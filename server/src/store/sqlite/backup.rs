@@ -5,7 +5,7 @@ use super::open;
 use super::open_error::OpenError;
 use super::schema::{self, Unusable};
 use super::{check, damage, files};
-use crate::store::JobKind;
+use crate::store::StoredKind;
 use rusqlite::Connection;
 use std::ffi::OsString;
 use std::fmt;
@@ -136,11 +136,12 @@ impl Partial {
         let [evolutions, generations, comparisons] = if version == Some(1) {
             [count("evolutions")?, count("generations")?, 0]
         } else {
-            let of = |table: &str, kind: JobKind| count(&format!("{table} WHERE kind = '{kind}'"));
+            let of =
+                |table: &str, kind: StoredKind| count(&format!("{table} WHERE kind = '{kind}'"));
             [
-                of("jobs", JobKind::Evolution)?,
-                of("parts", JobKind::Evolution)?,
-                of("jobs", JobKind::Comparison)?,
+                of("jobs", StoredKind::Evolution)?,
+                of("parts", StoredKind::Evolution)?,
+                of("jobs", StoredKind::Comparison)?,
             ]
         };
         Ok(Backup {

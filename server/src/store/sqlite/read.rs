@@ -7,7 +7,7 @@ use super::tables::{
 };
 use crate::store::document::{prior, robot};
 use crate::store::{
-    Contents, JobId, JobKind, Kind, Part, StoreError, StoredEnvironment, StoredJob, StoredPrior,
+    Contents, JobId, Kind, Part, StoreError, StoredEnvironment, StoredJob, StoredKind, StoredPrior,
     StoredRobot, Unreadable,
 };
 use rusqlite::{Connection, Params, Row, params};
@@ -190,7 +190,7 @@ fn jobs(connection: &Connection) -> rusqlite::Result<Rows<StoredJob>> {
     let found = Rows::read(connection, &JOBS, "ORDER BY kind, number", [], |row| {
         let number = row.get::<_, i64>(1)?.unsigned_abs();
         // One of a kind that this program does not know stays where it is.
-        let Some(kind) = JobKind::named(&row.get::<_, String>(0)?) else { return Ok(None) };
+        let Some(kind) = StoredKind::named(&row.get::<_, String>(0)?) else { return Ok(None) };
         let (finished, body) = (row.get(2)?, row.get(3)?);
         Ok(Some(StoredJob { id: JobId { kind, number }, finished, body }))
     })?;
@@ -200,10 +200,10 @@ fn jobs(connection: &Connection) -> rusqlite::Result<Rows<StoredJob>> {
     Ok(Rows { whole, damaged: found.damaged })
 }
 
-fn last_numbers(connection: &Connection) -> rusqlite::Result<Rows<Option<(JobKind, u64)>>> {
+fn last_numbers(connection: &Connection) -> rusqlite::Result<Rows<Option<(StoredKind, u64)>>> {
     Rows::read(connection, &LAST_NUMBERS, "ORDER BY kind", [], |row| {
         let last = row.get::<_, i64>(1)?.unsigned_abs();
-        Ok(JobKind::named(&row.get::<_, String>(0)?).map(|kind| (kind, last)))
+        Ok(StoredKind::named(&row.get::<_, String>(0)?).map(|kind| (kind, last)))
     })
 }
 

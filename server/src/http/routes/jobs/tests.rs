@@ -6,7 +6,7 @@ use crate::Config;
 use crate::jobs::fake_work::{FakeSettings, FakeWork};
 use crate::jobs::{Limits, OnWire, Reached, Record};
 use crate::program::serve::Server;
-use crate::store::{JobKind as StoredKind, Keeper, MemoryStore, Store};
+use crate::store::{Keeper, MemoryStore, Store, StoredKind};
 use axum::Router;
 use axum::body::Body as HttpBody;
 use axum::extract::FromRef;

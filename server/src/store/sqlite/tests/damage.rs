@@ -198,7 +198,7 @@ fn damaged_rows_can_be_removed_alone() {
     assert_eq!(contents.priors, before.contents.priors);
     let numbers: Vec<_> = contents.jobs.iter().map(|job| job.id.number).collect();
     assert_eq!(numbers, [1, 3, 10], "the job of the damaged part is gone");
-    assert_eq!(contents.last_number(JobKind::Evolution), 3, "none that is there comes again");
+    assert_eq!(contents.last_number(StoredKind::Evolution), 3, "none that is there comes again");
     assert_eq!(store.probe(), Ok(()));
 }
 
@@ -240,7 +240,7 @@ fn a_database_of_version_2_opens_and_gets_checksums() {
     assert_eq!(jobs[0].0[0].body, "{\"generation\":0}");
     assert_eq!((jobs[1].0[0].index, &jobs[1].1), (7, &None));
     assert_eq!(jobs[0].1.as_deref(), Some("{\"checkpoint\":1}"));
-    assert_eq!(JobKind::ALL.map(|kind| contents.last_number(kind)), [5, 4]);
+    assert_eq!(StoredKind::ALL.map(|kind| contents.last_number(kind)), [5, 4]);
     assert_eq!(everything(&open(&aside)).unwrap(), found, "so does a backup of it");
     let said = damaged_by(&directory, "UPDATE jobs SET body = '{\"version\":3}' WHERE number = 3");
     assert!(said.contains("jobs evolution/3"), "{said}");

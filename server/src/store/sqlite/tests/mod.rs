@@ -6,7 +6,7 @@ use super::schema::{MIGRATIONS, Unusable};
 use super::*;
 use crate::store::document::robot as document;
 use crate::store::tests::{evolution, id, id_of, record, saved};
-use crate::store::{Change, JobKind, Posterior};
+use crate::store::{Change, Posterior, StoredKind};
 use rusqlite::Connection;
 use std::fs;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ fn what_is_acknowledged_is_there_when_it_is_opened_again() {
     drop(store);
     let after = open(&directory).load().unwrap();
     assert_eq!(after, before);
-    assert!(after.robots[0].saved.is_some() && after.last_number(JobKind::Evolution) == 7);
+    assert!(after.robots[0].saved.is_some() && after.last_number(StoredKind::Evolution) == 7);
 }
 
 /// Guards against: an acknowledgement before the disk has it. A kill does not show it, only a power cut would.
@@ -163,7 +163,7 @@ fn a_store_whose_disk_was_full_works_again_once_there_is_room() {
         assert!(matches!(refused, Err(StoreError::Unavailable(_))), "{refused:?}");
         assert_eq!(store.load().unwrap(), before);
     }
-    store.commit(vec![Change::DeleteJob(id_of(JobKind::Evolution, 1))]).unwrap();
+    store.commit(vec![Change::DeleteJob(id_of(StoredKind::Evolution, 1))]).unwrap();
     assert_eq!(store.commit(vec![large(2), robot("s", 1)]), Ok(()));
     assert_eq!(store.probe(), Ok(()));
 }
@@ -243,11 +243,11 @@ fn a_database_of_version_1_opens() {
     assert_eq!(contents.environments[0].body, "{\"version\":1}");
     // Evolutions became one kind of job in version 2.
     let [evolution] = &contents.jobs[..] else { panic!("{:?}", contents.jobs) };
-    assert_eq!(evolution.id, id_of(JobKind::Evolution, 3));
+    assert_eq!(evolution.id, id_of(StoredKind::Evolution, 3));
     assert_eq!((evolution.finished, evolution.body.as_str()), (true, "{\"version\":1}"));
     assert_eq!(store.parts(evolution.id, 0, 9).unwrap()[0].body, "{\"generation\":0}");
     assert_eq!(store.checkpoint(evolution.id).unwrap().as_deref(), Some("{\"checkpoint\":1}"));
-    assert_eq!(JobKind::ALL.map(|kind| contents.last_number(kind)), [5, 0]);
+    assert_eq!(StoredKind::ALL.map(|kind| contents.last_number(kind)), [5, 0]);
 }
 
 /// Guards against: the form of what robots learn changes under the same version, and all of them forget.
