@@ -43,22 +43,30 @@ const NOT_IN_CORE: [&str; 10] = [
     "rusqlite",
 ];
 
-/// Direct dependencies of every package, with their kind (`normal`, `dev`, `build`).
-fn dependencies() -> BTreeMap<String, BTreeSet<(String, String)>> {
+/// What cargo says of the workspace.
+fn metadata() -> Value {
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--no-deps", "--format-version", "1", "--offline", "--manifest-path"])
         .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml"))
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let text = |value: &Value| value.as_str().unwrap_or("normal").to_owned();
-    metadata["packages"]
-        .as_array()
-        .expect("packages")
-        .iter()
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn list(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().expect("a list").iter()
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or("normal").to_owned()
+}
+
+/// Direct dependencies of every package, with their kind (`normal`, `dev`, `build`).
+fn dependencies() -> BTreeMap<String, BTreeSet<(String, String)>> {
+    list(&metadata()["packages"])
         .map(|package| {
-            let direct = package["dependencies"].as_array().expect("dependencies").iter();
+            let direct = list(&package["dependencies"]);
             let direct = direct.map(|d| (text(&d["name"]), text(&d["kind"]))).collect();
             (text(&package["name"]), direct)
         })
@@ -100,4 +108,19 @@ fn axum_and_rusqlite_stay_in_the_server_and_reqwest_in_the_client() {
             assert!(dependency != "reqwest" || package == "umwelt-client", "reqwest in {package}");
         }
     }
+}
+
+/// Guards against a first build that makes the document: features of all default members are switched on together.
+#[test]
+fn schemas_are_made_for_tests_of_the_contract_alone() {
+    let metadata = metadata();
+    let makes_schemas = |package: &&Value| {
+        let has = |dependency: &Value| list(&dependency["features"]).any(|it| it == "document");
+        list(&package["dependencies"]).any(has)
+    };
+    let makers: Vec<_> = list(&metadata["packages"]).filter(makes_schemas).collect();
+    assert_eq!(makers.len(), 1);
+    assert_eq!(text(&makers[0]["name"]), "umwelt-contract");
+    let is_default = list(&metadata["workspace_default_members"]).any(|it| *it == makers[0]["id"]);
+    assert!(!is_default, "umwelt-contract must not be built with the rest");
 }
