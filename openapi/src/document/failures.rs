@@ -80,7 +80,7 @@ const REASONS: [Sample; 44] = [
     (reason::STORE_FAILED, 503, Status::Unavailable, "the journal of stops cannot be written", "", "null", "look at the disk of the server, then ask again"),
     (reason::TASK_DIED, 503, Status::Unavailable, "the task of robot rover-7 ended", "robot", "\"rover-7\"", "ask again; please report what the log says"),
     (reason::ROBOT_FAILED, 503, Status::Unavailable, "the computation of robot rover-7 does not end", "robot", "\"rover-7\"", "describe it anew: PUT /v1/robots/{robot}; please report what the log says"),
-    (reason::NOT_TOLD, 503, Status::Unavailable, "1 of 3 robots could not be sample", "robot", "\"rover-7\"", "ask again for this one"),
+    (reason::NOT_TOLD, 503, Status::Unavailable, "1 of 3 robots could not be told", "robot", "\"rover-7\"", "ask again for this one"),
     (reason::TOKEN_MISSING, 401, Status::Unauthenticated, "this server wants a token", "Authorization", "null", "send Authorization: Bearer TOKEN"),
     (reason::TOKEN_WRONG, 401, Status::Unauthenticated, "this is not the token of this server", "Authorization", "null", "send Authorization: Bearer TOKEN"),
     (reason::FOREIGN_ORIGIN, 403, Status::PermissionDenied, "a web page of another origin may not ask here", "Origin", "\"http://evil.example\"", "start the server with --cors-origin"),

@@ -64,10 +64,9 @@ impl Workers {
         vitals: Arc<Vitals>,
         task: impl Future<Output = ()> + Send + 'static,
     ) {
-        let task: Pin<Box<dyn Future<Output = ()> + Send>> = Box::pin(task);
         match self {
             Self::Callers => drop(tokio::spawn(task)),
-            Self::Own(pool) => pool.spawn(vitals, task),
+            Self::Own(pool) => pool.spawn(vitals, Box::pin(task)),
         }
     }
 }
