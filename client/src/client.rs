@@ -135,9 +135,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn list_robots(&self, query: &PageQuery<robot::State>) -> Result<Page, Error> {
-        let mut url = self.url(endpoint::LIST_ROBOTS, &[]);
-        pages::add_query(&mut url, query, |state| state.name());
-        self.get(url).await
+        self.page(self.url(endpoint::LIST_ROBOTS, &[]), query, |state| state.name()).await
     }
 
     /// All robots, or those in one state, in the order of their ids. Pages are asked for as they are needed; an

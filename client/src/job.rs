@@ -4,7 +4,7 @@ use crate::call::Call;
 use crate::client::Client;
 use crate::error::Error;
 use crate::events::{JobEvents, follow};
-use crate::pages::{self, add_query};
+use crate::pages;
 use futures_util::stream::BoxStream;
 use reqwest::{Method, Url};
 use tower::util::rng::{HasherRng, Rng};
@@ -64,9 +64,7 @@ impl Client {
         &self,
         query: &PageQuery<State>,
     ) -> Result<JobPage<K>, Error> {
-        let mut url = self.at(&["v1", K::LIST]);
-        add_query(&mut url, query, |state| state.name());
-        self.get(url).await
+        self.page(self.at(&["v1", K::LIST]), query, |state| state.name()).await
     }
 
     /// All jobs of a kind, or those in one state, the newest first. An error ends the stream.

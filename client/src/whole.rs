@@ -2,7 +2,7 @@
 
 use crate::client::Client;
 use crate::error::Error;
-use crate::pages::{add_query, all};
+use crate::pages::all;
 use futures_util::stream::TryStreamExt;
 use serde::de::DeserializeOwned;
 use umwelt_api::job::{JobKind, JobPage};
@@ -34,13 +34,12 @@ impl Client {
         let what = format!("GET {}", self.at(&["v1", L::PATH]));
         let (client, state) = (self.clone(), state.map(str::to_owned));
         let pages = all(what, move |token| {
-            let mut url = client.at(&["v1", L::PATH]);
             let page_size = Some(L::PAGE_SIZE);
             let query = PageQuery { page_size, page_token: token, state: state.clone() };
-            add_query(&mut url, &query, String::as_str);
             let client = client.clone();
             async move {
-                let mut page: L = client.get(url).await?;
+                let url = client.at(&["v1", L::PATH]);
+                let mut page: L = client.page(url, &query, String::as_str).await?;
                 let next = page.next_page_token().take();
                 Ok((vec![page], next))
             }

@@ -11,8 +11,7 @@ use std::time::Duration;
 use tokio::time::{Instant, interval_at};
 use umwelt_api::RobotId;
 use umwelt_api::event::{Event, Kind};
-use umwelt_client::Client;
-use umwelt_client::Error;
+use umwelt_client::{Client, Error};
 
 /// The names of the kinds of events.
 const KINDS: &[&str] = &[

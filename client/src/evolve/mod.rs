@@ -2,7 +2,7 @@
 
 use crate::client::Client;
 use crate::error::Error;
-use crate::pages::{self, add_query};
+use crate::pages;
 use futures_util::stream::BoxStream;
 use serde::de::DeserializeOwned;
 use umwelt_api::endpoint::{self, Endpoint};
@@ -43,7 +43,7 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn list_priors(&self, query: &PageQuery) -> Result<prior::Page, Error> {
-        self.page(endpoint::LIST_PRIORS, &[], query).await
+        self.plain_page(endpoint::LIST_PRIORS, &[], query).await
     }
 
     /// All priors, in the order of their names. An error ends the stream.
@@ -102,7 +102,7 @@ impl Client {
         &self,
         query: &PageQuery,
     ) -> Result<training::Page, Error> {
-        self.page(endpoint::LIST_TRAINING_ENVIRONMENTS, &[], query).await
+        self.plain_page(endpoint::LIST_TRAINING_ENVIRONMENTS, &[], query).await
     }
 
     /// All simulated environments, in the order of their names. An error ends the stream.
@@ -136,7 +136,7 @@ impl Client {
         evolution: &EvolutionId,
         query: &PageQuery,
     ) -> Result<GenerationsPage, Error> {
-        self.page(endpoint::LIST_GENERATIONS, &[evolution.as_str()], query).await
+        self.plain_page(endpoint::LIST_GENERATIONS, &[evolution.as_str()], query).await
     }
 
     /// All generations of an evolution as far as they have ended, in their order. An error ends the stream.
@@ -166,15 +166,14 @@ impl Client {
         self.svg(self.url(endpoint::EVOLUTION_FIGURE, &names)).await
     }
 
-    async fn page<P: DeserializeOwned>(
+    /// A page of a list that cannot be narrowed down.
+    async fn plain_page<P: DeserializeOwned>(
         &self,
         endpoint: Endpoint<(), P>,
         names: &[&str],
         query: &PageQuery,
     ) -> Result<P, Error> {
-        let mut url = self.url(endpoint, names);
-        add_query(&mut url, query, |state| match *state {});
-        self.get(url).await
+        self.page(self.url(endpoint, names), query, |state| match *state {}).await
     }
 }
 

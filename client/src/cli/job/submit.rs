@@ -7,8 +7,7 @@ use super::watch::watch;
 use super::{Noun, accepted, refused};
 use clap::Args;
 use umwelt_api::IdempotencyKey;
-use umwelt_client::Client;
-use umwelt_client::fresh_key;
+use umwelt_client::{Client, fresh_key};
 
 /// How to submit a job.
 #[derive(Debug, Args)]

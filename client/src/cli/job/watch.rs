@@ -12,8 +12,7 @@ use std::time::Duration;
 use tokio::time::Instant;
 use umwelt_api::job::{Job, JobNews, State};
 use umwelt_api::visible;
-use umwelt_client::Client;
-use umwelt_client::Error;
+use umwelt_client::{Client, Error};
 
 /// A log, as opposed to a terminal, gets a line no more often than this.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -193,8 +192,7 @@ fn line(id: &str, state: State, at: &At) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::COMPARISON;
-    use crate::samples::EVOLUTION;
+    use crate::samples::{COMPARISON, EVOLUTION};
     use crate::test_server::{Server, answer, json};
     use hyper::StatusCode;
     use serde_json::Value;

@@ -4,8 +4,7 @@ use super::super::progress::say;
 use umwelt_api::RobotId;
 use umwelt_api::problem::Status;
 use umwelt_api::task::{Spec, Stage, Task};
-use umwelt_client::Client;
-use umwelt_client::Error;
+use umwelt_client::{Client, Error};
 
 /// Sets the task. The server leaves the very task that the robot has as it is; a caller that sets it again once the robot has
 /// arrived, or says `again`, wants to see it driven once more.

@@ -18,8 +18,7 @@ use umwelt_api::RobotId;
 use umwelt_api::Validate;
 use umwelt_api::robot::{Robot, State};
 use umwelt_api::task::{Calibration, Spec, Stage, Task, Waypoint};
-use umwelt_client::Client;
-use umwelt_client::Error;
+use umwelt_client::{Client, Error};
 
 /// How often progress is asked for: fast enough for an eye, slow enough for a bad link.
 const LOOK: Duration = Duration::from_millis(500);
