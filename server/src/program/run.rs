@@ -9,7 +9,7 @@ use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
-use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 use umwelt_api::problem::Detail;
@@ -41,8 +41,7 @@ fn run(arguments: &Serve) -> ExitCode {
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .finish()
-        // It was read once when the command line was.
-        .with(arguments.log.parse::<Targets>().unwrap_or_default())
+        .with(arguments.log.clone())
         .init();
     let config = match arguments.config() {
         Ok(config) => config,

@@ -12,10 +12,11 @@ use evolve::Evolve;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
+use tracing_subscriber::filter::Targets;
 use umwelt_api::{comparison, evolution};
 use umwelt_lab::offline::Order;
 use umwelt_lab::pool::Priority;
-use values::{at_least_one, filter, megabytes, seconds, threads};
+use values::{at_least_one, megabytes, seconds, threads};
 
 /// Data directory where none is named.
 const DATA: &str = "umwelt-data";
@@ -165,8 +166,8 @@ pub(crate) struct Serve {
     #[arg(long, env = "UMWELT_EVOLUTION_PRIORITY", value_enum, default_value = "lowest")]
     evolution_priority: EvolutionPriority,
     /// What to log: error, warn, info, debug, trace, or per module as in `info,umwelt_server=debug`.
-    #[arg(long, env = "UMWELT_LOG", value_name = "FILTER", default_value = "info", value_parser = filter)]
-    pub(crate) log: String,
+    #[arg(long, env = "UMWELT_LOG", value_name = "FILTER", default_value = "info")]
+    pub(crate) log: Targets,
     /// Most robots.
     #[arg(long, env = "UMWELT_MAX_ROBOTS", value_name = "N", default_value_t = Config::default().max_robots)]
     max_robots: usize,
