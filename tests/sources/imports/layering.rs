@@ -1,8 +1,8 @@
 //! Who may import whom, read from `cargo metadata`: an arrow the wrong way fails here, not in review.
 
+use crate::metadata::{list, metadata, text};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::process::Command;
 
 /// The packages of the workspace and which of them each may depend on, dev-dependencies included.
 const ALLOWED: [(&str, &[&str]); 11] = [
@@ -43,34 +43,21 @@ const NOT_IN_CORE: [&str; 10] = [
     "rusqlite",
 ];
 
-/// What cargo says of the workspace.
-fn metadata() -> Value {
-    let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--no-deps", "--format-version", "1", "--offline", "--manifest-path"])
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml"))
-        .output()
-        .expect("cargo runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
-}
-
-fn list(value: &Value) -> impl Iterator<Item = &Value> {
-    value.as_array().expect("a list").iter()
-}
-
-fn text(value: &Value) -> String {
-    value.as_str().unwrap_or("normal").to_owned()
-}
-
 /// Direct dependencies of every package, with their kind (`normal`, `dev`, `build`).
 fn dependencies() -> BTreeMap<String, BTreeSet<(String, String)>> {
     list(&metadata()["packages"])
+        .iter()
         .map(|package| {
-            let direct = list(&package["dependencies"]);
-            let direct = direct.map(|d| (text(&d["name"]), text(&d["kind"]))).collect();
-            (text(&package["name"]), direct)
+            let direct = list(&package["dependencies"]).iter();
+            let direct = direct.map(|it| (text(&it["name"]).to_owned(), kind(it))).collect();
+            (text(&package["name"]).to_owned(), direct)
         })
         .collect()
+}
+
+/// The kind of a dependency; cargo says null for a normal one.
+fn kind(dependency: &Value) -> String {
+    dependency["kind"].as_str().unwrap_or("normal").to_owned()
 }
 
 #[test]
@@ -115,12 +102,16 @@ fn axum_and_rusqlite_stay_in_the_server_and_reqwest_in_the_client() {
 fn schemas_are_made_for_tests_of_the_contract_alone() {
     let metadata = metadata();
     let makes_schemas = |package: &&Value| {
-        let has = |dependency: &Value| list(&dependency["features"]).any(|it| it == "document");
-        list(&package["dependencies"]).any(has)
+        let has =
+            |dependency: &Value| list(&dependency["features"]).iter().any(|it| it == "document");
+        list(&package["dependencies"]).iter().any(has)
     };
-    let makers: Vec<_> = list(&metadata["packages"]).filter(makes_schemas).collect();
+    let makers: Vec<_> = list(&metadata["packages"]).iter().filter(makes_schemas).collect();
     assert_eq!(makers.len(), 1);
     assert_eq!(text(&makers[0]["name"]), "umwelt-contract");
-    let is_default = list(&metadata["workspace_default_members"]).any(|it| *it == makers[0]["id"]);
-    assert!(!is_default, "umwelt-contract must not be built with the rest");
+    let defaults = list(&metadata["workspace_default_members"]);
+    assert!(
+        !defaults.contains(&makers[0]["id"]),
+        "umwelt-contract must not be built with the rest"
+    );
 }

@@ -1,6 +1,6 @@
 //! What the files of each crate name of each other, read from their sources: a circle of two files or an arrow to a
 //! higher layer fails here, not in review, and so does a file that has grown too long. Which crate may import which is
-//! `layering.rs`.
+//! in `layering`.
 //!
 //! A file names another where a path or a `use` in it leads to an item that the other one defines; re-exports are
 //! followed to where the item is. What a module declares, and what it shows of its own modules, does not count. Neither do
@@ -8,7 +8,9 @@
 
 mod graph;
 mod known;
+mod layering;
 mod layers;
+mod metadata;
 mod names;
 mod package;
 mod tree;

@@ -1,13 +1,13 @@
 //! A package as it stands on the disk: its files, its targets, and what one names of the other.
 
 use crate::graph::Graph;
+use crate::metadata::{list, metadata, text};
 use crate::names::Target;
 use crate::tree::{Files, Tree};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// A package of the workspace.
 #[derive(Debug, Default)]
@@ -60,13 +60,7 @@ impl Package {
 
 /// Every package of the workspace.
 pub fn all() -> Vec<Package> {
-    let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--no-deps", "--format-version", "1", "--offline", "--manifest-path"])
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml"))
-        .output()
-        .expect("cargo runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let metadata = metadata();
     let packages = list(&metadata["packages"]).iter();
     // A package of tests alone has no `src`.
     packages.filter(|package| source(package).is_dir()).map(read).collect()
@@ -110,12 +104,4 @@ fn below(source: &Path, path: &Path) -> String {
     let path = path.strip_prefix(source).expect("a target's root is in src");
     let parts: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy()).collect();
     parts.join("/")
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().map_or(&[], Vec::as_slice)
-}
-
-fn text(value: &Value) -> &str {
-    value.as_str().unwrap_or_default()
 }
