@@ -1,7 +1,7 @@
 //! The contract of Umwelt: what goes over the wire, how it is checked, and how it becomes `umwelt_core`.
 //!
-//! JSON over HTTP, snake_case with unit suffixes, described by [`DOCUMENT`] (OpenAPI 3.1). Each wire type stands in the module of its subject under the subject's noun:
-//! [`step::Request`], [`robot::Spec`].
+//! JSON over HTTP, snake_case with unit suffixes, described by [`DOCUMENT`] (OpenAPI 3.1). Each wire type stands in the
+//! module of its subject under the subject's noun: [`step::Request`], [`robot::Spec`].
 //!
 //! * Outside data comes in through `read` (JSON bytes -> [`Checked`] wire type), which reports every problem at once as
 //!   [`Problems`]. What is checked becomes core by `to_core`, which cannot fail; there is no other way in.
@@ -39,6 +39,7 @@ pub mod page;
 pub mod prior;
 pub mod problem;
 pub mod robot;
+// Two attributes: clippy takes a module for tests by the plain one.
 #[cfg(feature = "core")]
 #[cfg(test)]
 mod round_trip;
@@ -59,11 +60,11 @@ pub use id::{ComparisonId, EnvironmentId, EvolutionId, InvalidId, PriorId, Robot
 pub use idempotency::{IdempotencyKey, InvalidKey, MAX_KEY};
 pub use named::Known;
 pub use problem::{ErrorBody, Problem, Problems, Status};
+pub use token::{InvalidToken, MAX_TOKEN, MIN_TOKEN, Token};
+
 /// The contract as OpenAPI 3.1, in JSON.
 ///
 /// ```
 /// assert!(umwelt_api::DOCUMENT.contains("\"/v1/robots/{robot}/step\""));
 /// ```
 pub const DOCUMENT: &str = include_str!("../openapi.json");
-
-pub use token::{InvalidToken, MAX_TOKEN, MIN_TOKEN, Token};

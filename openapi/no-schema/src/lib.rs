@@ -1,6 +1,6 @@
 //! `ToSchema` for builds that make no document: reads the attribute `schema` of utoipa and makes nothing of it.
 //!
-//! Schemas are a third of what there is to compile in the contract, and only those who change it make them anew.
+//! Schemas are half of what there is to compile in the contract, and only those who change it make them anew.
 
 use proc_macro::TokenStream;
 

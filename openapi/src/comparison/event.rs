@@ -1,8 +1,9 @@
 //! What happens to a comparison, as server-sent events.
 //!
-//! The `id:` of an event is the number of trials that every contender has driven: [`JobEvent::id`](crate::job::JobEvent::id). It survives a restart
-//! of the server. Only the newest state counts: a stream says the state as it is now, whatever `Last-Event-ID`, then
-//! each change of it, and ends with the state in which the comparison ended.
+//! The `id:` of an event is the number of trials that every contender has driven:
+//! [`JobEvent::id`](crate::job::JobEvent::id). It survives a restart of the server. Only the newest state counts: a stream
+//! says the state as it is now, whatever `Last-Event-ID`, then each change of it, and ends with the state in which the
+//! comparison ended.
 
 use super::{Progress, State};
 use crate::job::JobNews;
