@@ -1,7 +1,8 @@
 //! Comparisons in the background: the life that they share with evolutions, and what is theirs alone.
 
 use crate::api::{Answer, Api, JSON};
-use crate::evolutions::{self, Follower, ended, hurried, serve, serve_and_stop};
+use crate::evolutions;
+use crate::jobs::{Follower, ended, hurried, serve, serve_and_stop};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use umwelt_api::comparison::{Request, TRIALS_COLUMNS};

@@ -1,7 +1,8 @@
 //! Simulated environments by name.
 
 use crate::api::{Api, config};
-use crate::evolutions::{Follower, serve, small};
+use crate::evolutions::small;
+use crate::jobs::{Follower, serve};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use umwelt_server::store::MemoryStore;

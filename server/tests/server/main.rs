@@ -14,6 +14,7 @@ mod environments;
 mod events;
 mod evolutions;
 mod guard;
+mod jobs;
 mod kills;
 mod offline;
 mod priors;

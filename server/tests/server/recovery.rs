@@ -269,13 +269,13 @@ async fn a_data_file_of_version_1_is_taken_up_with_its_evolutions() {
     };
     assert_eq!([kept(1), kept(2)], before);
 
-    let api = crate::evolutions::serve(store.clone()).await;
+    let api = crate::jobs::serve(store.clone()).await;
     let first = api.get("/v1/evolutions/evolution-1").await.json();
     assert_eq!((&first["state"], &first["prior"]), (&json!("succeeded"), &json!("evolution-1")));
     assert_eq!(first["champion"]["entries"].as_array().unwrap().len(), 4);
     let prior = api.get("/v1/priors/evolution-1").await.json();
     assert_eq!(prior["forward"], first["champion"]["prior"]["forward"]);
-    let second = crate::evolutions::ended(&api, "/v1/evolutions/evolution-2").await;
+    let second = crate::jobs::ended(&api, "/v1/evolutions/evolution-2").await;
     assert_eq!((&second["state"], &second["prior"]), (&json!("succeeded"), &json!("meadow")));
     assert_eq!((&second["interrupted"], &second["error"]), (&json!(1), &Value::Null));
     let generations = api.get("/v1/evolutions/evolution-2/generations").await.json();

@@ -1,7 +1,8 @@
 //! What may be submitted as an evolution, and what is listed.
 
 use crate::api::{Api, JSON};
-use crate::evolutions::{Follower, hurried, long, serve, small};
+use crate::evolutions::{long, small};
+use crate::jobs::{Follower, hurried, serve};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use umwelt_server::Config;
