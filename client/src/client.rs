@@ -305,6 +305,17 @@ impl Client {
         self.typed(self.call(Method::POST, url)).await
     }
 
+    /// The page of the list at `url` that was asked for; `name` is that of a state.
+    pub(crate) async fn page<P: DeserializeOwned, S>(
+        &self,
+        mut url: Url,
+        query: &PageQuery<S>,
+        name: fn(&S) -> &str,
+    ) -> Result<P, Error> {
+        pages::add_query(&mut url, query, name);
+        self.get(url).await
+    }
+
     pub(crate) async fn delete(&self, url: Url) -> Result<(), Error> {
         let call = self.call(Method::DELETE, url);
         let call = Call { if_match: self.if_match.clone(), ..call };

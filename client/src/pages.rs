@@ -1,10 +1,8 @@
 //! Lists that come in pages.
 
-use crate::client::Client;
 use crate::error::Error;
 use futures_util::stream::{self, BoxStream, StreamExt, TryStreamExt};
 use reqwest::Url;
-use serde::de::DeserializeOwned;
 use umwelt_api::page::PageQuery;
 
 /// A page: its items, and where the next one begins.
@@ -39,21 +37,8 @@ where
     pages.map_ok(|items| stream::iter(items.into_iter().map(Ok))).try_flatten().boxed()
 }
 
-impl Client {
-    /// The page of the list at `url` that was asked for; `name` is that of a state.
-    pub(crate) async fn page<P: DeserializeOwned, S>(
-        &self,
-        mut url: Url,
-        query: &PageQuery<S>,
-        name: fn(&S) -> &str,
-    ) -> Result<P, Error> {
-        add_query(&mut url, query, name);
-        self.get(url).await
-    }
-}
-
 /// Adds what was asked for to `url`, and no more; `name` is that of a state.
-fn add_query<S>(url: &mut Url, query: &PageQuery<S>, name: fn(&S) -> &str) {
+pub(crate) fn add_query<S>(url: &mut Url, query: &PageQuery<S>, name: fn(&S) -> &str) {
     let PageQuery { page_size, page_token, state } = query;
     let size = page_size.map(|size| size.to_string());
     let parts = [
