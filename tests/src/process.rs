@@ -34,7 +34,7 @@ fn build() -> PathBuf {
     };
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
-        .args(["build", "--quiet", "--offline", "--workspace", "--bins", "--test", "layering"])
+        .args(["build", "--quiet", "--offline", "--workspace", "--bins", "--test", "imports"])
         .args(["--profile", profile, "--target-dir"])
         .arg(target)
         .arg("--manifest-path")
