@@ -141,16 +141,10 @@ impl Client {
     /// All robots, or those in one state, in the order of their ids. Pages are asked for as they are needed; an
     /// error ends the stream.
     pub fn robots(&self, state: Option<robot::State>) -> BoxStream<'static, Result<Robot, Error>> {
-        let client = self.clone();
-        let what = format!("GET {}", self.url(endpoint::LIST_ROBOTS, &[]));
-        pages::all(what, move |page_token| {
-            let client = client.clone();
-            async move {
-                let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token, state };
-                let page = client.list_robots(&query).await?;
-                Ok((page.robots, page.next_page_token))
-            }
-        })
+        let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), state, ..PageQuery::default() };
+        let url = self.url(endpoint::LIST_ROBOTS, &[]);
+        let split = |page: Page| (page.robots, page.next_page_token);
+        self.all(url, query, |state| state.name(), split)
     }
 
     /// Sets the task of a robot; it begins with the next step and replaces the one before. The very task that it has
@@ -314,6 +308,28 @@ impl Client {
     ) -> Result<P, Error> {
         pages::add_query(&mut url, query, name);
         self.get(url).await
+    }
+
+    /// All items of the list at `url` that `query` asks for, from its first page on; `split` takes a page apart. Pages
+    /// are asked for as they are needed; an error ends the stream.
+    pub(crate) fn all<P, S, T>(
+        &self,
+        url: Url,
+        query: PageQuery<S>,
+        name: fn(&S) -> &str,
+        split: fn(P) -> pages::Page<T>,
+    ) -> BoxStream<'static, Result<T, Error>>
+    where
+        P: DeserializeOwned + Send + 'static,
+        S: Clone + Send + Sync + 'static,
+        T: Send + 'static,
+    {
+        let client = self.clone();
+        pages::all(format!("GET {url}"), move |page_token| {
+            let (client, url) = (client.clone(), url.clone());
+            let query = PageQuery { page_token, ..query.clone() };
+            async move { Ok(split(client.page(url, &query, name).await?)) }
+        })
     }
 
     pub(crate) async fn delete(&self, url: Url) -> Result<(), Error> {

@@ -4,7 +4,6 @@ use crate::call::Call;
 use crate::client::Client;
 use crate::error::Error;
 use crate::events::{JobEvents, follow};
-use crate::pages;
 use futures_util::stream::BoxStream;
 use reqwest::{Method, Url};
 use tower::util::rng::{HasherRng, Rng};
@@ -72,15 +71,9 @@ impl Client {
         &self,
         state: Option<State>,
     ) -> BoxStream<'static, Result<Job<K>, Error>> {
-        let client = self.clone();
-        pages::all(format!("GET {}", self.at(&["v1", K::LIST])), move |page_token| {
-            let client = client.clone();
-            async move {
-                let query = PageQuery { page_size: Some(K::PAGE_SIZE), page_token, state };
-                let page = client.list_jobs::<K>(&query).await?;
-                Ok((page.jobs, page.next_page_token))
-            }
-        })
+        let query = PageQuery { page_size: Some(K::PAGE_SIZE), state, ..PageQuery::default() };
+        let split = |page: JobPage<K>| (page.jobs, page.next_page_token);
+        self.all(self.at(&["v1", K::LIST]), query, |state| state.name(), split)
     }
 
     /// Cancels a job; what its batches have left stays.

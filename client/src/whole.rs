@@ -2,7 +2,6 @@
 
 use crate::client::Client;
 use crate::error::Error;
-use crate::pages::all;
 use futures_util::stream::TryStreamExt;
 use serde::de::DeserializeOwned;
 use umwelt_api::job::{JobKind, JobPage};
@@ -31,19 +30,13 @@ impl Client {
     /// # Errors
     /// Whatever [`Error`] tells.
     pub async fn whole<L: List>(&self, state: Option<&str>) -> Result<L, Error> {
-        let what = format!("GET {}", self.at(&["v1", L::PATH]));
-        let (client, state) = (self.clone(), state.map(str::to_owned));
-        let pages = all(what, move |token| {
-            let page_size = Some(L::PAGE_SIZE);
-            let query = PageQuery { page_size, page_token: token, state: state.clone() };
-            let client = client.clone();
-            async move {
-                let url = client.at(&["v1", L::PATH]);
-                let mut page: L = client.page(url, &query, String::as_str).await?;
-                let next = page.next_page_token().take();
-                Ok((vec![page], next))
-            }
-        });
+        let (page_size, state) = (Some(L::PAGE_SIZE), state.map(str::to_owned));
+        let query = PageQuery { page_size, page_token: None, state };
+        let split = |mut page: L| {
+            let next = page.next_page_token().take();
+            (vec![page], next)
+        };
+        let pages = self.all(self.at(&["v1", L::PATH]), query, String::as_str, split);
         let append = async |mut whole: L, page| {
             whole.append(page);
             Ok(whole)

@@ -7,7 +7,7 @@ use futures_util::stream::BoxStream;
 use serde::de::DeserializeOwned;
 use umwelt_api::endpoint::{self, Endpoint};
 use umwelt_api::evolution::{Figure, Generation, GenerationsPage};
-use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery};
+use umwelt_api::page::{MAX_PAGE_SIZE, PageQuery, Stateless};
 use umwelt_api::prior::{self, Prior};
 use umwelt_api::training;
 use umwelt_api::{EnvironmentId, EvolutionId, PriorId};
@@ -48,15 +48,8 @@ impl Client {
 
     /// All priors, in the order of their names. An error ends the stream.
     pub fn priors(&self) -> BoxStream<'static, Result<Prior, Error>> {
-        let client = self.clone();
-        pages::all(format!("GET {}", self.url(endpoint::LIST_PRIORS, &[])), move |page_token| {
-            let client = client.clone();
-            async move {
-                let query = PageQuery { page_size: Some(MAX_PAGE_SIZE), page_token, state: None };
-                let page = client.list_priors(&query).await?;
-                Ok((page.priors, page.next_page_token))
-            }
-        })
+        let split = |page: prior::Page| (page.priors, page.next_page_token);
+        self.all_plain(endpoint::LIST_PRIORS, &[], Some(MAX_PAGE_SIZE), split)
     }
 
     /// Names a simulated environment, for the first time or anew.
@@ -109,22 +102,9 @@ impl Client {
     pub fn training_environments(
         &self,
     ) -> BoxStream<'static, Result<training::Environment, Error>> {
-        let client = self.clone();
-        pages::all(
-            format!("GET {}", self.url(endpoint::LIST_TRAINING_ENVIRONMENTS, &[])),
-            move |page_token| {
-                let client = client.clone();
-                async move {
-                    let query = PageQuery {
-                        page_size: Some(training::MAX_PAGE_SIZE),
-                        page_token,
-                        state: None,
-                    };
-                    let page = client.list_training_environments(&query).await?;
-                    Ok((page.environments, page.next_page_token))
-                }
-            },
-        )
+        let split = |page: training::Page| (page.environments, page.next_page_token);
+        let page_size = Some(training::MAX_PAGE_SIZE);
+        self.all_plain(endpoint::LIST_TRAINING_ENVIRONMENTS, &[], page_size, split)
     }
 
     /// One page of the generations of an evolution. [`Client::generations`] walks over all pages.
@@ -144,16 +124,8 @@ impl Client {
         &self,
         evolution: &EvolutionId,
     ) -> BoxStream<'static, Result<Generation, Error>> {
-        let (client, evolution) = (self.clone(), evolution.clone());
-        let what = format!("GET {}", self.url(endpoint::LIST_GENERATIONS, &[evolution.as_str()]));
-        pages::all(what, move |page_token| {
-            let (client, evolution) = (client.clone(), evolution.clone());
-            async move {
-                let query = PageQuery { page_token, ..PageQuery::default() };
-                let page = client.list_generations(&evolution, &query).await?;
-                Ok((page.generations, page.next_page_token))
-            }
-        })
+        let split = |page: GenerationsPage| (page.generations, page.next_page_token);
+        self.all_plain(endpoint::LIST_GENERATIONS, &[evolution.as_str()], None, split)
     }
 
     /// A figure of an evolution, as SVG.
@@ -173,8 +145,25 @@ impl Client {
         names: &[&str],
         query: &PageQuery,
     ) -> Result<P, Error> {
-        self.page(self.url(endpoint, names), query, |state| match *state {}).await
+        self.page(self.url(endpoint, names), query, nameless).await
     }
+
+    /// All items of a list that cannot be narrowed down.
+    fn all_plain<P: DeserializeOwned + Send + 'static, T: Send + 'static>(
+        &self,
+        endpoint: Endpoint<(), P>,
+        names: &[&str],
+        page_size: Option<u64>,
+        split: fn(P) -> pages::Page<T>,
+    ) -> BoxStream<'static, Result<T, Error>> {
+        let query = PageQuery { page_size, ..PageQuery::default() };
+        self.all(self.url(endpoint, names), query, nameless, split)
+    }
+}
+
+/// There is no state to name.
+fn nameless(state: &Stateless) -> &str {
+    match *state {}
 }
 
 #[cfg(test)]

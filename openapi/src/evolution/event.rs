@@ -1,9 +1,10 @@
 //! What happens to an evolution, as server-sent events.
 //!
 //! The `id:` of an event is the number of generations that have ended: [`JobEvent::id`](crate::job::JobEvent::id). It
-//! survives a restart of the server. A stream begins with the generations behind `Last-Event-ID` (all of them without it: they are kept, so
-//! nothing is missed), then says the state as it is now and goes on with what happens. A state never counts a
-//! generation that the stream has not sent before. The stream ends with the state in which the evolution ended.
+//! survives a restart of the server. A stream begins with the generations behind `Last-Event-ID` (all of them without
+//! it: they are kept, so nothing is missed), then says the state as it is now and goes on with what happens. A state
+//! never counts a generation that the stream has not sent before. The stream ends with the state in which the evolution
+//! ended.
 
 use super::{Generation, Progress, State};
 use crate::job::JobNews;
