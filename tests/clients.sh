@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Three makers of client libraries read openapi/openapi.json, and what they make talks to the built server: robots,
 # errors, figures and events. Needs python3 with venv and npm; java comes as a package. Not a part of tests/run.sh: it
-# fetches some 200 MB. Say `tests/clients.sh` after `cargo build`.
+# fetches some 200 MB.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 readonly ROOT=$PWD CONTRACT=$PWD/openapi/openapi.json PLACE=$PWD/target/clients
 readonly PYTHON_CLIENT=0.29.1 GENERATOR=7.26.0 TYPESCRIPT_CLIENT=0.95.0 TYPESCRIPT=5.9.3
 
+cargo build --quiet --locked --bin umwelt-server
 mkdir -p "$PLACE"
 if [ ! -x "$PLACE/venv/bin/openapi-python-client" ]; then
   python3 -m venv "$PLACE/venv"
