@@ -3,7 +3,8 @@
 use crate::error::{self, Error};
 use bytes::{Bytes, BytesMut};
 use reqwest::header::{
-    ACCEPT, CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue, IF_MATCH, LOCATION, RETRY_AFTER,
+    ACCEPT, CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue, IF_MATCH, IF_NONE_MATCH, LOCATION,
+    RETRY_AFTER,
 };
 use reqwest::{Method, Response, Url};
 use serde::Serialize;
@@ -27,6 +28,17 @@ pub(crate) const GRPC_TIMEOUT: HeaderName = HeaderName::from_static("grpc-timeou
 /// [`IdempotencyKey::HEADER`] in the lower case of HTTP/2.
 const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
+/// What must hold of the resource that is written.
+#[derive(Clone, Debug)]
+pub(crate) enum Condition {
+    /// Nothing.
+    None,
+    /// It has this etag.
+    Version(Arc<str>),
+    /// There is none yet.
+    Absent,
+}
+
 /// A call to be sent, cheap to send again.
 #[derive(Clone, Debug)]
 pub(crate) struct Call {
@@ -34,7 +46,7 @@ pub(crate) struct Call {
     pub(crate) method: Method,
     pub(crate) url: Url,
     pub(crate) body: Option<Bytes>,
-    pub(crate) if_match: Option<Arc<str>>,
+    pub(crate) condition: Condition,
     /// Of a POST that creates: sent twice with it, it creates once.
     pub(crate) idempotency_key: Option<IdempotencyKey>,
     /// The media type of the answer.
@@ -54,7 +66,7 @@ impl Call {
             method,
             url,
             body: None,
-            if_match: None,
+            condition: Condition::None,
             idempotency_key: None,
             accept: "application/json",
             allowed,
@@ -86,7 +98,10 @@ impl Call {
         if self.body.is_some() {
             headers.insert(CONTENT_TYPE, HeaderValue::from_static("application/json"));
         }
-        if let Some(etag) = &self.if_match {
+        if let Condition::Absent = self.condition {
+            headers.insert(IF_NONE_MATCH, HeaderValue::from_static("*"));
+        }
+        if let Condition::Version(etag) = &self.condition {
             let value = HeaderValue::from_str(etag).map_err(|_| Error::BadCall {
                 what: self.what.as_ref().into(),
                 why: format!("{etag:?} cannot be an etag: use that of the resource as it was read"),

@@ -1,7 +1,7 @@
 //! The typed client: one method per route.
 
 use crate::address::Address;
-use crate::call::{self, Call};
+use crate::call::{self, Call, Condition};
 use crate::connection;
 use crate::error::Error;
 use crate::pages;
@@ -36,9 +36,10 @@ pub const DEADLINE: Duration = Duration::from_secs(10);
 ///
 /// ```no_run
 /// # async fn example() -> Result<(), Box<dyn std::error::Error>> {
-/// use umwelt_api::robot::Spec;
+/// use umwelt_api::robot::Description;
 /// let client = umwelt_client::Client::new("http://127.0.0.1:8080")?;
-/// let rover = client.put_robot(&"rover-7".parse()?, &Spec::default()).await?;
+/// let said = Description::read(br#"{"drive": {"wheel_radius_m": 0.033}}"#)?;
+/// let rover = client.put_robot(&"rover-7".parse()?, &said).await?;
 /// println!("{} is {:?}", rover.robot, rover.state);
 /// # Ok(())
 /// # }
@@ -48,7 +49,7 @@ pub struct Client {
     address: Address,
     token: Option<Token>,
     allowed: Duration,
-    if_match: Option<Arc<str>>,
+    condition: Condition,
     http: reqwest::Client,
     calls: Calls,
 }
@@ -88,7 +89,7 @@ impl Client {
         };
         let address = Address::read(base_url)?;
         let calls = stack(attempt);
-        Ok(Self { address, token, allowed: DEADLINE, if_match: None, http, calls })
+        Ok(Self { address, token, allowed: DEADLINE, condition: Condition::None, http, calls })
     }
 
     /// The same client with another deadline for its calls.
@@ -96,9 +97,14 @@ impl Client {
         Self { allowed: deadline, ..self.clone() }
     }
 
-    /// The same client, whose PUTs and DELETEs are done only if the resource still has this etag; ABORTED otherwise.
+    /// The same client, whose PUTs, PATCHes and DELETEs are done only if the resource still has this etag; ABORTED otherwise.
     pub fn if_match(&self, etag: &str) -> Self {
-        Self { if_match: Some(etag.into()), ..self.clone() }
+        Self { condition: Condition::Version(etag.into()), ..self.clone() }
+    }
+
+    /// The same client, whose PUTs are done only where there is nothing yet; ALREADY_EXISTS otherwise.
+    pub fn if_absent(&self) -> Self {
+        Self { condition: Condition::Absent, ..self.clone() }
     }
 
     /// A connection for steps. It is opened by the first step and shared with nothing else.
@@ -106,12 +112,24 @@ impl Client {
         StepConnection::new(self.address.clone(), self.token.as_ref())
     }
 
-    /// Describes a robot, for the first time or anew.
+    /// Describes a robot, for the first time or anew: what is not said is default, or follows from the rest.
     ///
     /// # Errors
     /// Whatever [`Error`] tells.
-    pub async fn put_robot(&self, robot: &RobotId, spec: &robot::Spec) -> Result<Robot, Error> {
-        self.send(endpoint::PUT_ROBOT, &[robot.as_str()], spec).await
+    pub async fn put_robot(
+        &self,
+        robot: &RobotId,
+        said: &robot::Description,
+    ) -> Result<Robot, Error> {
+        self.send(endpoint::PUT_ROBOT, &[robot.as_str()], said).await
+    }
+
+    /// Changes parts of what was said about a robot.
+    ///
+    /// # Errors
+    /// NOT_FOUND where it is not known, and whatever [`Error`] tells.
+    pub async fn patch_robot(&self, robot: &RobotId, patch: &robot::Patch) -> Result<Robot, Error> {
+        self.send(endpoint::PATCH_ROBOT, &[robot.as_str()], patch).await
     }
 
     /// The robot as it is now.
@@ -284,11 +302,16 @@ impl Client {
         let method = match operation.method {
             endpoint::Method::Get => Method::GET,
             endpoint::Method::Put => Method::PUT,
+            endpoint::Method::Patch => Method::PATCH,
             endpoint::Method::Post => Method::POST,
             endpoint::Method::Delete => Method::DELETE,
         };
-        let if_match = self.if_match.clone().filter(|_| operation.is_conditional);
-        Call { if_match, ..self.call(method, self.url(endpoint, names)) }
+        let condition = match &self.condition {
+            Condition::Version(_) if !operation.is_conditional => Condition::None,
+            Condition::Absent if operation.method != endpoint::Method::Put => Condition::None,
+            condition => condition.clone(),
+        };
+        Call { condition, ..self.call(method, self.url(endpoint, names)) }
     }
 
     pub(crate) async fn get<T: DeserializeOwned>(&self, url: Url) -> Result<T, Error> {
@@ -334,7 +357,7 @@ impl Client {
 
     pub(crate) async fn delete(&self, url: Url) -> Result<(), Error> {
         let call = self.call(Method::DELETE, url);
-        let call = Call { if_match: self.if_match.clone(), ..call };
+        let call = Call { condition: self.condition.clone(), ..call };
         self.bytes(call).await.map(drop)
     }
 

@@ -112,6 +112,7 @@ mod tests {
             playing: None,
             hold: false,
             max_speed_m_per_s: None,
+            drive_tag: None,
         }
     }
 

@@ -92,6 +92,7 @@ mod tests {
                 playing: None,
                 hold: false,
                 max_speed_m_per_s: None,
+                drive_tag: None,
             };
             assert!(client.stop_all().await.is_err());
             assert!(client.get_robot(&robot).await.is_err());

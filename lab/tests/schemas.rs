@@ -182,13 +182,14 @@ fn required(schema: &Value, name: &str) -> bool {
     schema["required"].as_array().is_some_and(|names| names.iter().any(|it| it == name))
 }
 
-const ID: &str = "^[a-z0-9][a-z0-9-]{0,62}$";
+const ID: &str = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$";
 
 /// The patterns that there are, each as a rule of its own.
 fn matches(pattern: &str, text: &str) -> bool {
     if pattern == ID {
-        let allowed = |it: char| it.is_ascii_lowercase() || it.is_ascii_digit() || it == '-';
-        (1..64).contains(&text.len()) && text.chars().all(allowed) && !text.starts_with('-')
+        let allowed = |it: char| it.is_ascii_alphanumeric() || "._-".contains(it);
+        let begins = text.starts_with(|it: char| it.is_ascii_alphanumeric());
+        (1..64).contains(&text.len()) && text.chars().all(allowed) && begins
     } else if pattern == umwelt_api::visible::PATTERN {
         umwelt_api::visible::first_hidden(text).is_none()
     } else {
@@ -294,7 +295,7 @@ fn what_the_schemas_allow_and_what_is_refused_as_bad_are_each_others_rest() {
     let contract = Contract(document);
     let kinds: [(&str, &str, Read); 7] = [
         ("/v1/robots/{robot}", "put", |json| {
-            robot::Spec::read_known(json, prior::built_in).map(drop)
+            robot::Description::read_known(json, prior::built_in).map(drop)
         }),
         ("/v1/robots/{robot}/task", "put", |json| task::Spec::read(json).map(drop)),
         ("/v1/robots/{robot}/step", "post", |json| step::Request::read(json).map(drop)),

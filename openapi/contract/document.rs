@@ -117,7 +117,10 @@ fn every_operation_says_what_it_is_and_how_it_fails() {
             "{at}: tags"
         );
         assert_eq!(
-            matches!((method, path), ("put", _) | ("post", "/v1/evolutions" | "/v1/comparisons")),
+            matches!(
+                (method, path),
+                ("put" | "patch", _) | ("post", "/v1/evolutions" | "/v1/comparisons")
+            ),
             operation["requestBody"].is_object() && !path.ends_with("/step"),
             "{at}: body"
         );

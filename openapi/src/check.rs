@@ -238,6 +238,12 @@ impl Check {
         }
     }
 
+    /// The fields that are wrong, as far as is known so far.
+    #[cfg(feature = "core")]
+    pub(crate) fn fields(&self) -> Vec<String> {
+        self.problems.details().iter().map(|it| it.field.clone()).collect()
+    }
+
     /// Reports a problem of field `name`; of the whole where the name is empty.
     pub fn report(
         &mut self,

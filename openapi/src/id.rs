@@ -12,7 +12,9 @@ pub const MAX_ID_LENGTH: usize = 63;
 
 /// A text that is no id.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("an id is 1 to 63 of a-z, 0-9 and -, the first no -, not {text:?}")]
+#[error(
+    "an id is 1 to 63 of A-Z, a-z, 0-9, -, _ and ., the first a letter or a digit, not {text:?}"
+)]
 pub struct InvalidId {
     /// What it would have been the id of, as a path names it: `robot`, `prior`, ...
     pub of: &'static str,
@@ -21,20 +23,24 @@ pub struct InvalidId {
 }
 
 /// What to use instead of a text that is no id.
-pub(crate) const REMEDY: &str = "use 1 to 63 of a-z, 0-9 and -, the first no -";
+pub(crate) const REMEDY: &str =
+    "use 1 to 63 of A-Z, a-z, 0-9, -, _ and ., the first a letter or a digit";
 
 /// What an id matches that something new may have.
-pub(crate) const PATTERN: &str = "^[a-z0-9][a-z0-9-]{0,62}$";
+pub(crate) const PATTERN: &str = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$";
 
 /// Whether something new may go by `text`: an id that begins with `-` looks like an option to whoever reads a command.
 pub(crate) fn is_new_id(text: &str) -> bool {
     is_id(text) && !text.starts_with('-')
 }
 
-/// Whether `text` is an id. Earlier versions took those that begin with `-`, and what goes by one can still be named.
+/// Whether `text` is an id. Earlier versions took those that begin with `-`, and what goes by one can still be named. One
+/// that begins with a point would be hidden, or another folder; both are as serials, host names and ROS have it.
 pub(crate) fn is_id(text: &str) -> bool {
-    let allowed = |byte: u8| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'-');
-    (1..=MAX_ID_LENGTH).contains(&text.len()) && text.bytes().all(allowed)
+    let allowed = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.');
+    (1..=MAX_ID_LENGTH).contains(&text.len())
+        && text.bytes().all(allowed)
+        && !text.starts_with(['.', '_'])
 }
 
 fn parse(text: &str, of: &'static str) -> Result<Arc<str>, InvalidId> {
@@ -48,7 +54,7 @@ impl From<InvalidId> for Problems {
     }
 }
 
-/// The id of a robot: 1 to 63 of `a-z`, `0-9` and `-`, the first no `-`.
+/// The id of a robot: 1 to 63 of `A-Z`, `a-z`, `0-9`, `-`, `_` and `.`, the first a letter or a digit.
 ///
 /// ```
 /// use umwelt_api::RobotId;
@@ -59,31 +65,31 @@ impl From<InvalidId> for Problems {
 /// ```
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct RobotId(Arc<str>);
 
-/// The name of a prior: 1 to 63 of `a-z`, `0-9` and `-`, the first no `-`.
+/// The name of a prior: 1 to 63 of `A-Z`, `a-z`, `0-9`, `-`, `_` and `.`, the first a letter or a digit.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct PriorId(Arc<str>);
 
-/// The name of a simulated environment: 1 to 63 of `a-z`, `0-9` and `-`, the first no `-`.
+/// The name of a simulated environment: 1 to 63 of `A-Z`, `a-z`, `0-9`, `-`, `_` and `.`, the first a letter or a digit.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct EnvironmentId(Arc<str>);
 
 /// The id of an evolution, given by the server: `evolution-12`. Ids never come back.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct EvolutionId(Arc<str>);
 
 /// The id of a comparison, given by the server: `comparison-12`. Ids never come back.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9-]{0,62}$", min_length = 1, max_length = 63)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$", min_length = 1, max_length = 63)]
 pub struct ComparisonId(Arc<str>);
 
 /// What every id can do: be read, be shown, be looked up by its text.
@@ -181,11 +187,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ids_are_lower_case_digits_and_hyphens() {
-        for good in ["a", "7", "-", "rover-7", &"x".repeat(63)] {
+    fn ids_are_letters_digits_and_three_marks() {
+        for good in ["a", "7", "-", "rover-7", "Rover_7.b", "X", "a.", &"x".repeat(63)] {
             assert_eq!(good.parse::<RobotId>().map(|id| id.to_string()), Ok(good.to_owned()));
         }
-        for bad in ["", "A", "a b", "a/b", "ä", "a\n", "..", "a_b", &"x".repeat(64)] {
+        for bad in
+            ["", "a b", "a/b", "ä", "a\n", ".", "..", ".a", "_a", "a%2e", "a:b", &"x".repeat(64)]
+        {
             assert!(bad.parse::<RobotId>().is_err(), "{bad:?}");
             assert!(serde_json::from_value::<RobotId>(bad.into()).is_err(), "{bad:?}");
         }
@@ -207,11 +215,11 @@ mod tests {
     #[test]
     fn what_is_no_id_names_its_parameter() {
         let field = |problems: Problems| problems.details()[0].field.clone();
-        assert_eq!(field("A".parse::<RobotId>().unwrap_err().into()), "robot");
-        assert_eq!(field("A".parse::<PriorId>().unwrap_err().into()), "prior");
-        assert_eq!(field("A".parse::<EnvironmentId>().unwrap_err().into()), "environment");
-        assert_eq!(field("A".parse::<EvolutionId>().unwrap_err().into()), "evolution");
-        assert_eq!(field("A".parse::<ComparisonId>().unwrap_err().into()), "comparison");
+        assert_eq!(field("a b".parse::<RobotId>().unwrap_err().into()), "robot");
+        assert_eq!(field("a b".parse::<PriorId>().unwrap_err().into()), "prior");
+        assert_eq!(field("a b".parse::<EnvironmentId>().unwrap_err().into()), "environment");
+        assert_eq!(field("a b".parse::<EvolutionId>().unwrap_err().into()), "evolution");
+        assert_eq!(field("a b".parse::<ComparisonId>().unwrap_err().into()), "comparison");
     }
 
     #[test]

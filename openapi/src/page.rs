@@ -15,7 +15,7 @@ pub const DEFAULT_PAGE_SIZE: u64 = 50;
 pub const MAX_PAGE_TOKEN: usize = 128;
 
 /// A page token that is the last id of the page before.
-pub(crate) const ID_TOKEN: &str = "^[a-z0-9-]{1,63}$";
+pub(crate) const ID_TOKEN: &str = "^[A-Za-z0-9-][A-Za-z0-9._-]{0,62}$";
 
 /// A page token that is the last number of the page before.
 pub(crate) const NUMBER_TOKEN: &str = "^[0-9]{1,19}$";

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub const MAX_BODY: usize = 256 * 1024;
 /// Most waypoints of a task.
 pub const MAX_WAYPOINTS: usize = 1000;
-/// Distance from a waypoint in m within which a robot has arrived, where nothing is said.
+/// Distance from a waypoint in m within which the robot of the thesis has arrived.
 pub const DEFAULT_TOLERANCE: f64 = 0.010;
 /// Ten kilometres from the origin f64 still resolves picometres, and no floor is larger.
 pub const COORDINATE: Range = Range::new(-1e4, 1e4, "m");
@@ -88,7 +88,7 @@ impl Validate for Calibration {
 /// ```
 /// use umwelt_api::task::Spec;
 /// let spec = Spec::read(br#"{"waypoints": [{"x_m": 0.2, "y_m": 0.0}], "calibration": {}}"#)?;
-/// assert_eq!(spec.to_core().calibration, Some(Default::default()));
+/// assert_eq!(spec.to_core(0.01).calibration, Some(Default::default()));
 ///
 /// let far = Spec::read(br#"{"waypoints": [{"x_m": 0.2, "y_m": 1e308}]}"#).unwrap_err();
 /// assert_eq!(far.details()[0].field, "waypoints[0].y_m");
@@ -99,10 +99,10 @@ impl Validate for Calibration {
 pub struct Spec {
     /// Places to stop at. The first leg leads from where the robot stands to the first of them.
     pub waypoints: Vec<Waypoint>,
-    /// Distance from a waypoint within which the robot has arrived.
-    #[serde(default = "tolerance")]
-    #[schema(default = tolerance)]
-    pub tolerance_m: f64,
+    /// Distance from a waypoint within which the robot has arrived. Null or left out: that of the robot
+    /// (`steering.tolerance_m`).
+    #[serde(default)]
+    pub tolerance_m: Option<f64>,
     /// Whether the robot may drive in reverse toward a waypoint behind it; otherwise it turns to face it.
     #[serde(default)]
     #[schema(default = false)]
@@ -116,15 +116,13 @@ pub struct Spec {
     pub max_deviation_m: Option<f64>,
 }
 
-fn tolerance() -> f64 {
-    DEFAULT_TOLERANCE
-}
-
 impl Validate for Spec {
     fn check(&self, check: &mut Check) {
         check.length("waypoints", self.waypoints.len(), 1..=MAX_WAYPOINTS);
         check.items("waypoints", &self.waypoints);
-        check.number("tolerance_m", self.tolerance_m, TOLERANCE);
+        if let Some(tolerance) = self.tolerance_m {
+            check.number("tolerance_m", tolerance, TOLERANCE);
+        }
         if let Some(deviation) = self.max_deviation_m {
             check.number("max_deviation_m", deviation, MAX_DEVIATION);
         }

@@ -2,8 +2,10 @@
 
 use crate::clock::Clock;
 use crate::drive::Drive;
+use crate::epoch;
 use crate::report::{AgentError, Ended, Report, Status, TraceRow, TraceSink};
 use crate::robot::Robot;
+use crate::told::Told;
 use crate::transport::{Answer, Connect, Connections};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -12,18 +14,16 @@ use tokio::sync::watch;
 use tokio::time::sleep_until;
 use tracing::{Instrument, info, info_span};
 use umwelt_client::api::RobotId;
-use umwelt_client::api::robot::MAX_INTEGER;
 use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon::SLOT;
-use umwelt_core::kinematics;
 use umwelt_core::link::{Link, LinkModel};
 
 /// Everything that a run is told.
 pub struct Config {
     /// The robot.
     pub robot: RobotId,
-    /// Its wheels and limits; they hold whatever the server says.
-    pub drive: kinematics::Drive,
+    /// What it was told of its drive beside what the server says; a difference ends the run.
+    pub drive: Told,
     /// Random number of this run, at most 2^53 - 1. Two runs with the same one are one run to the server, so it is
     /// not derived from a seed.
     pub epoch: u64,
@@ -40,12 +40,12 @@ pub struct Config {
 }
 
 impl Config {
-    /// A run for `robot` with a random epoch, the default drive, and nothing else.
+    /// A run for `robot` with a random epoch, the drive that the server has, and nothing else.
     pub fn new(robot: RobotId) -> Self {
         Self {
             robot,
-            drive: kinematics::Drive::default(),
-            epoch: rand::random::<u64>() & MAX_INTEGER,
+            drive: Told::default(),
+            epoch: epoch::random(),
             link: None,
             seed: 0,
             duration: None,
@@ -193,6 +193,9 @@ impl<D: Drive> Agent<D> {
         }
         self.robot.restrain(now, self.drive.limits());
         let applied = self.robot.advance(now);
+        if let Some(drive) = self.robot.described() {
+            self.drive.describe(&drive);
+        }
         if let Err(error) = self.drive.apply(now, applied) {
             self.robot.end(Err(error.into()));
         }

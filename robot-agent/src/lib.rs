@@ -28,13 +28,18 @@
 mod agent;
 mod clock;
 pub mod drive;
+mod epoch;
+mod limits;
+mod on_the_way;
 mod report;
 mod restraint;
 mod robot;
 mod throttle;
+mod told;
 pub mod transport;
 
 pub use agent::{Config, run};
 pub use clock::Clock;
 pub use drive::Drive;
 pub use report::{AgentError, Ended, Report, Status, TraceRow, TraceSink};
+pub use told::{Difference, Told};

@@ -1,6 +1,7 @@
 //! What a run shows while it goes on, and how it ended.
 
 use crate::drive::DriveError;
+use crate::told::Difference;
 use umwelt_client::api::RobotId;
 use umwelt_client::api::task::Stage;
 use umwelt_core::exchange::Observation;
@@ -89,10 +90,32 @@ pub enum AgentError {
         /// The robot.
         robot: RobotId,
     },
+    /// Agent and server were told different drives.
+    #[error(
+        "robot {robot} is described otherwise than this agent was told: {}. Leave the flags out, or describe the robot \
+         so: umwelt robot set {robot}{}",
+        listed(.differences),
+        flags(.differences)
+    )]
+    OtherDrive {
+        /// The robot.
+        robot: RobotId,
+        /// What differs.
+        differences: Vec<Difference>,
+    },
     /// The drive no longer does what it is told.
     #[error("{0}")]
     Drive(#[from] DriveError),
     /// The link to simulate means nothing.
     #[error("link: {0}")]
     Link(#[from] LinkError),
+}
+
+fn listed(differences: &[Difference]) -> String {
+    let said: Vec<_> = differences.iter().map(ToString::to_string).collect();
+    said.join(", ")
+}
+
+fn flags(differences: &[Difference]) -> String {
+    differences.iter().map(|it| format!(" --{} {}", it.flag, it.here)).collect()
 }

@@ -23,6 +23,11 @@ impl Restraint {
         self.limits
     }
 
+    /// What it says means for a robot with `drive`.
+    pub(crate) fn describe(&mut self, drive: &Drive) {
+        self.limits = LocalLimits { hold: self.said.is_hold(drive), ..self.said };
+    }
+
     /// Takes in what the drive says at robot time `now`; whether that is a change.
     pub(crate) fn take(&mut self, now: f64, said: LocalLimits, drive: &Drive) -> bool {
         if said == self.said {

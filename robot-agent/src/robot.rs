@@ -3,23 +3,25 @@
 //! What happens at a moment, and in which order, is what `core::episode` does on the robot's side. A simulated link
 //! holds back requests and answers here, on robot time.
 
+use crate::epoch;
+use crate::limits::{Limits, Refused};
+use crate::on_the_way::OnTheWay;
 use crate::report::{AgentError, Ended};
 use crate::restraint::Restraint;
 use crate::throttle::Throttle;
+use crate::told::Told;
 use crate::transport::{Answer, Post};
-use std::collections::VecDeque;
 use tracing::{info, warn};
 use umwelt_client::Error;
 use umwelt_client::api::RobotId;
 use umwelt_client::api::problem::{Problem, Status};
-use umwelt_client::api::robot::MAX_INTEGER;
 use umwelt_client::api::step;
 use umwelt_client::api::task::Stage;
 use umwelt_core::actuation::{Acceptance, Actuation, Playing};
 use umwelt_core::exchange::{Exchange, Observation, Request};
 use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon::{Horizon, MAX_DURATION, MAX_WATCHDOG, WATCHDOG};
-use umwelt_core::kinematics::{self, Drive};
+use umwelt_core::kinematics::Drive;
 use umwelt_core::link::Link;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::time::RobotTime;
@@ -33,14 +35,11 @@ const REGISTRATION: f64 = 5.0;
 /// Shortest time in s between two epochs begun because the server asked: no loop, whatever it says.
 const EPOCH_PAUSE: f64 = 1.0;
 
-/// A commanded twist beyond the robot's limits by no more than this, in m/s and rad/s, is rounding.
-const ROUNDING: f64 = 1e-9;
-
 /// The robot's side of the loop.
 #[derive(Debug)]
 pub(crate) struct Robot {
     id: RobotId,
-    drive: Drive,
+    limits: Limits,
     /// Whether it moves something real, which must never be left moving for ever.
     is_hardware: bool,
     exchange: Exchange,
@@ -49,8 +48,8 @@ pub(crate) struct Robot {
     /// The link to simulate; none where the real one is all there is.
     link: Option<Link>,
     /// Requests on their way to being posted, and answers on their way back, by arrival.
-    upward: VecDeque<(f64, Request)>,
-    downward: VecDeque<(f64, Answer)>,
+    upward: OnTheWay<Request>,
+    downward: OnTheWay<Answer>,
     epoch: u64,
     /// Epochs before this one, and when this one began.
     epochs_before: u64,
@@ -80,22 +79,23 @@ impl Robot {
     /// A robot at rest at robot time `now` that has asked nothing yet.
     pub(crate) fn new(
         id: RobotId,
-        drive: Drive,
+        told: Told,
         is_hardware: bool,
         link: Option<Link>,
         epoch: u64,
         now: f64,
     ) -> Self {
+        let limits = Limits::new(told);
         Self {
             id,
-            drive,
+            limits,
             is_hardware,
             exchange: Exchange::new(RobotTime::new(now)),
-            actuation: Actuation::new(drive, RobotTime::new(now)),
+            actuation: Actuation::new(*limits.drive(), RobotTime::new(now)),
             restraint: Restraint::default(),
             link,
-            upward: VecDeque::new(),
-            downward: VecDeque::new(),
+            upward: OnTheWay::new(),
+            downward: OnTheWay::new(),
             epoch,
             epochs_before: 0,
             epoch_began: now,
@@ -115,9 +115,8 @@ impl Robot {
         } else {
             self.exchange.next_request(RobotTime::new(now)).seconds()
         };
-        let upward = self.upward.front().map_or(f64::INFINITY, |(at, _)| *at);
-        let downward = self.downward.front().map_or(f64::INFINITY, |(at, _)| *at);
-        request.min(upward).min(downward).min(self.actuation.next_change().seconds())
+        let on_the_way = self.upward.next().min(self.downward.next());
+        request.min(on_the_way).min(self.actuation.next_change().seconds())
     }
 
     /// A pose becomes known.
@@ -135,13 +134,13 @@ impl Robot {
             _ => Some(now),
         };
         if let Some(arrival) = arrival {
-            queue(&mut self.downward, arrival, answer);
+            self.downward.put(arrival, answer);
         }
     }
 
     /// The robot itself allows `limits` from `now` on: it acts at once, and the server hears of it with the next request.
     pub(crate) fn restrain(&mut self, now: f64, limits: LocalLimits) {
-        if self.restraint.take(now, limits, &self.drive) {
+        if self.restraint.take(now, limits, self.limits.drive()) {
             let limits = self.restraint.limits();
             self.actuation.restrain(limits, self.exchange.newest_sequence());
             self.exchange.restrain(limits);
@@ -155,7 +154,7 @@ impl Robot {
 
     /// Lets happen what is due by `now`: the wheel speeds to apply from now on.
     pub(crate) fn advance(&mut self, now: f64) -> WheelSpeeds {
-        while let Some(answer) = due(&mut self.downward, now) {
+        while let Some(answer) = self.downward.due(now) {
             self.deliver(now, answer);
         }
         let speeds = self.actuation.advance(RobotTime::new(now));
@@ -165,7 +164,7 @@ impl Robot {
         {
             let arrival = self.link.as_mut().map_or(Some(now), |link| link.uplink(now));
             if let Some(arrival) = arrival {
-                queue(&mut self.upward, arrival, request);
+                self.upward.put(arrival, request);
             }
         }
         self.follow_connection(now);
@@ -174,11 +173,14 @@ impl Robot {
 
     /// A request that is to be posted at `now`; what its connection's end took along is not.
     pub(crate) fn post(&mut self, now: f64) -> Option<Post> {
-        while let Some(request) = due(&mut self.upward, now) {
+        while let Some(request) = self.upward.due(now) {
             if request.connection >= self.exchange.oldest_connection() {
                 self.state.requests += 1;
                 let connection = (self.epochs_before, request.connection);
-                let request = step::Request::from_core(&request, self.epoch);
+                let request = step::Request {
+                    drive_tag: Some(self.limits.tag()),
+                    ..step::Request::from_core(&request, self.epoch)
+                };
                 return Some(Post { connection, request });
             }
         }
@@ -199,13 +201,17 @@ impl Robot {
             Ok(Ended::Shutdown) => info!("agent ends as asked: ramping to rest"),
             Ok(Ended::Duration) => info!("agent ends, its time is over: ramping to rest"),
             Ok(Ended::NoMorePoses) => info!("agent ends, no more poses come: ramping to rest"),
-            // Who ran it says what went wrong.
             Err(_) => warn!("agent cannot go on: ramping to rest"),
         }
         self.actuation.stop();
         self.upward.clear();
         self.downward.clear();
         self.ending = Some(reason);
+    }
+
+    /// The drive that the server has for it, where that is news.
+    pub(crate) fn described(&mut self) -> Option<Drive> {
+        self.limits.news()
     }
 
     /// Whether it has been told to end.
@@ -247,6 +253,12 @@ impl Robot {
 
     /// A reply arrives: its horizon is played if it is the newest.
     fn take(&mut self, now: f64, sequence: u64, reply: &step::Reply) {
+        if let Some(tagged) = reply.drive.as_deref() {
+            self.describe(now, tagged);
+            if self.is_ending() {
+                return;
+            }
+        }
         let mut horizon = match reply.horizon.to_core() {
             Ok(horizon) => horizon,
             Err(problems) => return self.complain(now, &format!("unbelievable: {problems}")),
@@ -279,6 +291,31 @@ impl Robot {
         self.unknown_since = None;
     }
 
+    /// The server says by which drive the robot is to move. What the agent was told otherwise ends the run: one of both is
+    /// wrong, and the floor would be blamed for it.
+    fn describe(&mut self, now: f64, tagged: &step::TaggedDrive) {
+        match self.limits.describe(tagged) {
+            Ok(false) => {}
+            Ok(true) => {
+                let drive = self.limits.drive();
+                let (wheel_radius_m, track_width_m) = (drive.wheel_radius, drive.track_width);
+                info!(wheel_radius_m, track_width_m, "robot has its drive from the server");
+                self.actuation.describe(*drive);
+                self.restraint.describe(drive);
+                let limits = self.restraint.limits();
+                self.actuation.restrain(limits, self.exchange.newest_sequence());
+                self.exchange.restrain(limits);
+            }
+            Err(Refused::Unbelievable(problems)) => {
+                self.complain(now, &format!("unbelievable: {problems}"));
+            }
+            Err(Refused::Differs(differences)) => {
+                let robot = self.id.clone();
+                self.end(Err(AgentError::OtherDrive { robot, differences }));
+            }
+        }
+    }
+
     /// The robot's own limits hold whatever the server says.
     fn make_safe(&mut self, now: f64, horizon: &mut Horizon) {
         if self.is_hardware && horizon.watchdog == 0.0 {
@@ -296,21 +333,8 @@ impl Robot {
                 ),
             );
         }
-        let mut over = false;
-        for speeds in &mut horizon.speeds {
-            let twist = kinematics::forward(&self.drive, *speeds);
-            let limited = self.drive.limited(twist);
-            let excess = (twist.linear - limited.linear).abs();
-            if excess.max((twist.angular - limited.angular).abs()) > ROUNDING {
-                *speeds = kinematics::inverse(&self.drive, limited);
-                over = true;
-            }
-        }
-        if over {
-            self.complain(
-                now,
-                "faster than this robot's limits: limited. Give both sides the same drive",
-            );
+        if self.limits.hold(horizon) {
+            self.complain(now, "faster than this robot's limits: limited");
         }
     }
 
@@ -342,7 +366,7 @@ impl Robot {
 
     /// Counts anew; what is playing goes on until it is replaced or expires.
     fn begin_epoch(&mut self, now: f64) {
-        self.epoch = next_epoch(self.epoch);
+        self.epoch = epoch::after(self.epoch);
         self.epochs_before += 1;
         self.epoch_began = now;
         self.exchange = Exchange::new(RobotTime::new(now));
@@ -372,23 +396,4 @@ impl Robot {
             None => {}
         }
     }
-}
-
-/// Another epoch, as random as the one before: the generator of Knuth's MMIX, its upper 53 bits.
-fn next_epoch(epoch: u64) -> u64 {
-    let next =
-        epoch.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (next >> 11) & MAX_INTEGER
-}
-
-/// Takes out the first of what has arrived by `now`.
-fn due<T>(queue: &mut VecDeque<(f64, T)>, now: f64) -> Option<T> {
-    let arrived = queue.front().is_some_and(|(arrival, _)| *arrival <= now);
-    if arrived { queue.pop_front().map(|(_, what)| what) } else { None }
-}
-
-/// Puts in what will arrive, behind all that arrives no later.
-fn queue<T>(queue: &mut VecDeque<(f64, T)>, arrival: f64, what: T) {
-    let place = queue.iter().rposition(|(at, _)| *at <= arrival).map_or(0, |at| at + 1);
-    queue.insert(place, (arrival, what));
 }

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::sync::watch;
 use umwelt_agent::drive::Sim;
-use umwelt_agent::{AgentError, Clock, Config, Ended, Report, Status, TraceRow, run};
+use umwelt_agent::{AgentError, Clock, Config, Ended, Report, Status, Told, TraceRow, run};
 use umwelt_client::api;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
@@ -77,7 +77,7 @@ impl Run {
             }
         };
         let config = Config {
-            drive: scenario.settings.drive,
+            drive: Told::all(&scenario.settings.drive),
             link: Some(scenario.link.clone()),
             seed,
             duration: Some(scenario.time_limit),

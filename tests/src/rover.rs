@@ -35,6 +35,7 @@ pub fn request(epoch: u64, sequence: u64, sent: f64) -> Request {
         playing: None,
         hold: false,
         max_speed_m_per_s: None,
+        drive_tag: None,
     }
 }
 
@@ -72,7 +73,6 @@ impl Agent {
         let rows = Arc::new(Mutex::new(Vec::new()));
         let sink = Arc::clone(&rows);
         let config = Config {
-            drive: plant.drive,
             link,
             seed,
             status: Some(shown),

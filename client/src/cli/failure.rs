@@ -84,12 +84,13 @@ fn line(detail: &Detail) -> String {
 mod tests {
     use super::*;
     use umwelt_api::problem::{Problem, Status};
-    use umwelt_api::robot::Spec;
+    use umwelt_api::robot::Description;
 
     #[test]
     fn every_problem_of_a_file_has_its_line() {
-        let problems = Spec::read(br#"{"horizon_slots": 0, "drive": {"lag": 0.1, "lag_s": -1.0}}"#)
-            .unwrap_err();
+        let problems =
+            Description::read(br#"{"horizon_slots": 0, "drive": {"lag": 0.1, "lag_s": -1.0}}"#)
+                .unwrap_err();
         let Failure::Wrong(text) = Failure::wrong_body("spec.json", &problems) else {
             panic!("it is a wrong call")
         };

@@ -33,10 +33,10 @@ use umwelt_client::Client;
 const EXAMPLES: &str = "\
 Examples:
   umwelt robot add rover-7 --wheel-radius 0.021 --track-width 0.1
-  umwelt task set rover-7 --waypoint 0.2,0 --waypoint 0,-0.1 --watch
+  umwelt task set rover-7 --waypoint 0.2,0 --waypoint 0,-0.1 --calibrate --watch
   umwelt environment show rover-7
   umwelt evolve --environments normal,slippery --prior wet-hall --watch
-  umwelt robot add rover-7 --prior wet-hall
+  umwelt robot set rover-7 --prior wet-hall
   umwelt compare --methods statistic,bayesian --prior wet-hall --watch
   umwelt stop --all
   umwelt --json robot list --state lost | jq -r '.robots[].robot'
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn wrong_calls_are_told_from_failures() {
         for line in [
-            "umwelt robot show Rover",
+            "umwelt robot show _rover",
             "umwelt robot list --state gone",
             "umwelt robot add a --method guess",
             "umwelt robot add a --slots many",
@@ -169,18 +169,18 @@ mod tests {
             "umwelt stop",
             "umwelt stop a --all",
             "umwelt events --type nothing",
-            "umwelt robot add a --prior Wet",
+            "umwelt robot add a --prior _wet",
             "umwelt evolve --preset fast",
             "umwelt evolve --optimizer guess",
             "umwelt evolve --population many",
             "umwelt evolve --idempotency-key ä",
             "umwelt evolution show",
-            "umwelt evolution show Evolution",
+            "umwelt evolution show .evolution",
             "umwelt evolution list --state gone",
             "umwelt compare --scenario moon",
             "umwelt compare --trials many",
-            "umwelt compare --prior Wet",
-            "umwelt comparison show Comparison",
+            "umwelt compare --prior _wet",
+            "umwelt comparison show .comparison",
             "umwelt comparison list --state gone",
             "umwelt comparison report comparison-1 --force",
             "umwelt prior put wet",

@@ -42,7 +42,7 @@ Examples:
   umwelt --json prior show thesis | jq '.note = \"for the wet hall\"' | umwelt prior put wet-hall --file -
   echo '{\"forward\": {\"mu\": -0.1, \"k\": 5, \"r\": 8, \"s\": 0.1}}' | umwelt prior put oily --file -")]
     Put {
-        /// The prior: 1 to 63 of a-z, 0-9 and -
+        /// The prior: 1 to 63 of A-Z, a-z, 0-9, -, _ and .
         #[arg(value_name = "NAME")]
         prior: PriorId,
         /// The prior in JSON, - for standard input

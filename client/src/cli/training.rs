@@ -36,7 +36,7 @@ Examples:
   echo '{\"slip\": \"oily\", \"link\": \"bad\", \"fitness\": \"bad\"}' | umwelt environment put oily --file -
   umwelt --json environment describe oily | jq '.weight = 2' | umwelt environment put oily-twice --file -")]
     Put {
-        /// The environment: 1 to 63 of a-z, 0-9 and -
+        /// The environment: 1 to 63 of A-Z, a-z, 0-9, -, _ and .
         #[arg(value_name = "NAME")]
         environment: EnvironmentId,
         /// The environment in JSON, - for standard input

@@ -4,6 +4,7 @@ pub mod commands;
 mod condition;
 pub mod conjugate;
 pub mod controller;
+pub mod derived;
 pub mod identification;
 pub mod prediction;
 pub mod settings;

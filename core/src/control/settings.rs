@@ -4,6 +4,7 @@ use crate::conjugate::NormalInverseChiSquared;
 pub use crate::exchange::PoseNoise;
 use crate::horizon::{SLOT, WATCHDOG};
 use crate::kinematics::Drive;
+use crate::task::TOLERANCE;
 use serde::{Deserialize, Serialize};
 
 /// How the environment is identified.
@@ -97,6 +98,8 @@ pub struct SteeringSettings {
     pub alpha: f64,
     /// Distance in m to the waypoint at which the robot stops.
     pub stop_radius: f64,
+    /// Distance in m from a waypoint within which the robot has arrived, where its task says none.
+    pub tolerance: f64,
     /// Heading error in rad that is good enough to drive: above the smallest angular velocity times the spread
     /// of the delay (0.2 rad/s x 0.4 s), or the robot hunts.
     pub turn_tolerance: f64,
@@ -106,7 +109,13 @@ pub struct SteeringSettings {
 
 impl Default for SteeringSettings {
     fn default() -> Self {
-        Self { alpha: 0.2, stop_radius: 0.002, turn_tolerance: 0.10, turn_beyond: 0.6 }
+        Self {
+            alpha: 0.2,
+            stop_radius: 0.002,
+            tolerance: TOLERANCE,
+            turn_tolerance: 0.10,
+            turn_beyond: 0.6,
+        }
     }
 }
 

@@ -25,7 +25,7 @@ pub fn effect(body: &str, field: &str) -> &'static str {
     fields.find(|(name, _)| *name == field).map_or("", |(_, effect)| effect)
 }
 
-const ROBOT: [(&str, &str); 37] = [
+const ROBOT: [(&str, &str); 38] = [
     (
         "attribution",
         "`sent`: a late packet shows as slip and widens the belief about the floor. `played`: floor and link are told apart.",
@@ -36,7 +36,7 @@ const ROBOT: [(&str, &str); 37] = [
     ),
     (
         "horizon_slots",
-        "More slots: longer stalls of the network cost nothing (20 slots are 0.6 s), and a step takes longer to compute. 1: every late packet is felt.",
+        "More slots: longer stalls of the network cost nothing (40 slots are 1.2 s), and a step takes longer to compute. 1: every late packet is felt.",
     ),
     (
         "loop_delay_s",
@@ -96,16 +96,17 @@ const ROBOT: [(&str, &str); 37] = [
     ),
     (
         "noise.position_m",
-        "Too small: the noise of the camera counts as slip. Near 10 mm (the root of `variance.position_m2`): the robot creeps.",
+        "Too small: the noise of the camera counts as slip. Larger: longer windows of motion, and waypoints are met less exactly.",
     ),
     ("predictor (monte-carlo).agents", "More: less sampling error, more time per step."),
     ("predictor (monte-carlo).cell_m", "Larger cells: coarser variances."),
     ("predictor (monte-carlo).seed", "The same seed gives the same predictions."),
     (
         "steering.alpha_m_per_s",
-        "Below `drive.max_linear_m_per_s` it caps the speed: raise it with the drive's limits.",
+        "Below `drive.max_linear_m_per_s` it caps the speed; derived it is above.",
     ),
     ("steering.stop_radius_m", "Larger: the robot stops earlier and less exactly."),
+    ("steering.tolerance_m", "As `tolerance_m` of a task."),
     ("steering.turn_beyond_rad", "Smaller: more stops to turn in place; larger: wider curves."),
     (
         "steering.turn_tolerance_rad",

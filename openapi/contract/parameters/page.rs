@@ -5,14 +5,20 @@ use super::unit::unit;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+use umwelt_api::robot::DERIVED;
 
 const FRONT: &str = "# Parameters\n\n\
     Every field of every body that the server accepts. Generated from `openapi/openapi.json` by \
     `UPDATE_GOLDEN=1 cargo test -p umwelt-contract --test parameters`: do not edit it here.\n\n\
-    A field that is not required may be left out; it then has its default. \"null\" as a default means that the field is \
+    A field that is not required may be left out; it then has its default. A default that is \"derived\" follows from the \
+    other fields of the robot (`docs/method.md` has the formulas); what it is for the robot of the thesis stands beside it. \
+    `PATCH /v1/robots/{robot}` has the fields of PUT, null for each that is to be default again. \"null\" as a default means that the field is \
     not set, and the meaning says what counts then. Lengths are in m, angles in rad, times in s; a slot is 30 ms. The range \
     includes both ends. A contradiction between fields is answered with 409, a value outside its range with 400; both name \
     the field, the value and a remedy.\n";
+
+/// The operation whose fields may follow from each other.
+const ROBOT: &str = "PUT /v1/robots/{robot}";
 
 /// A request body.
 pub struct Body<'a> {
@@ -33,7 +39,10 @@ pub fn bodies(document: &Value) -> Vec<Body<'_>> {
             item.iter().map(move |(method, operation)| (path, method, operation))
         })
         .filter_map(|(path, method, operation)| {
-            let schema = operation.pointer("/requestBody/content/application~1json/schema")?;
+            // A patch has the fields of what it changes, and null for each.
+            let is_whole = method != "patch";
+            let schema = operation.pointer("/requestBody/content/application~1json/schema");
+            let schema = schema.filter(|_| is_whole)?;
             let summary = operation["summary"].as_str().unwrap_or_default();
             let operation = format!("{} {path}", method.to_uppercase());
             Some((!path.starts_with("/v1/robots"), path, Body { operation, summary, schema }))
@@ -127,6 +136,8 @@ impl<'a> Page<'a> {
             let objects = self.objects(property, &path);
             let default =
                 self.default(property, required.contains(name.as_str()), !objects.is_empty());
+            let is_derived = operation == ROBOT && DERIVED.contains(&path.as_str());
+            let default = if is_derived { format!("derived ({default})") } else { default };
             let (range, meaning) = (self.range(property), self.meaning(property));
             let effect = effect(operation, &path);
             let row = [&format!("`{name}`"), unit(name), &default, &range, &meaning, effect];

@@ -33,6 +33,9 @@ pub trait Body: Validate + Wired {
     /// Most bytes of one.
     const MAX_BYTES: usize;
 
+    /// What it may say that it is (`Content-Type`).
+    const MEDIA_TYPES: &'static [&'static str] = &["application/json"];
+
     /// Reads one.
     ///
     /// # Errors
@@ -83,6 +86,28 @@ pub fn read_resolved<T: DeserializeOwned + Serialize + Validate, R>(
     json: &[u8],
     resolve: impl FnOnce(&T, &mut Check) -> R,
 ) -> Result<(Checked<T>, R), Problems> {
+    let Reading { body, resolved, .. } = read_said(json, |body, _, check| resolve(body, check))?;
+    Ok((body, resolved))
+}
+
+/// A body that was read.
+pub(crate) struct Reading<T, R> {
+    /// All of it.
+    pub(crate) body: Checked<T>,
+    /// What was said of it: the fields that were given, with the values that were read.
+    pub(crate) said: Map<String, Value>,
+    /// What was made of it.
+    pub(crate) resolved: R,
+}
+
+/// The same, and what was said of it.
+///
+/// # Errors
+/// Every problem of the body, with what `resolve` reports.
+pub(crate) fn read_said<T: DeserializeOwned + Serialize + Validate, R>(
+    json: &[u8],
+    resolve: impl FnOnce(&T, &Map<String, Value>, &mut Check) -> R,
+) -> Result<Reading<T, R>, Problems> {
     let given = Node::read(json)?;
     let shapes = Shapes::default();
     let body = T::deserialize(Reader::noting(&given, &shapes))?;
@@ -90,8 +115,22 @@ pub fn read_resolved<T: DeserializeOwned + Serialize + Validate, R>(
     let mut check = Check::default();
     same_shape(&mut check, &given, &known, &shapes);
     body.check(&mut check);
-    let resolved = resolve(&body, &mut check);
-    Ok((Checked::after(check, body)?, resolved))
+    let said = match said(&given, &known) {
+        Value::Object(said) => said,
+        _ => Map::new(),
+    };
+    let resolved = resolve(&body, &said, &mut check);
+    Ok(Reading { body: Checked::after(check, body)?, said, resolved })
+}
+
+/// Of what is known the fields that were given.
+fn said(given: &Node<'_>, known: &Value) -> Value {
+    let (Node::Object(fields), Value::Object(known)) = (given, known) else { return known.clone() };
+    let of_field = |(name, given): &(Cow<'_, str>, Node<'_>)| {
+        let known = known.get(name.as_ref())?;
+        Some((name.clone().into_owned(), said(given, known)))
+    };
+    Value::Object(fields.iter().filter_map(of_field).collect())
 }
 
 /// Refuses what was given and is not known, and lists in the place of objects.

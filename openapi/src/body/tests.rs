@@ -61,7 +61,7 @@ fn kinds() -> Vec<Kind> {
     });
     let kind = |name, read, full| Kind { name, read, full };
     vec![
-        kind("robot", |json| said(robot::Spec::read(json)), robot),
+        kind("robot", |json| said(robot::Description::read(json)), robot),
         kind("task", |json| said(task::Spec::read(json)), task),
         kind("step", |json| said(step::Request::read(json)), step),
         kind("prior", |json| said(prior::Spec::read(json)), prior),
@@ -256,16 +256,16 @@ fn what_does_not_fit_is_told_with_field_value_and_remedy() {
     for (json, field, value, remedy) in cases {
         assert_eq!(of(json), (field.to_owned(), value, remedy.to_owned()), "{json}");
     }
-    let method = robot::Spec::read(br#"{"method": "magic"}"#).unwrap_err();
+    let method = robot::Description::read(br#"{"method": "magic"}"#).unwrap_err();
     assert!(
         method
             .to_string()
             .starts_with(r#"MALFORMED: method is "magic": use one of: fixed-normal, "#)
     );
-    let kind =
-        robot::Spec::read(br#"{"predictor": {"kind": "monte-carlo", "agents": 5}}"#).unwrap_err();
+    let kind = robot::Description::read(br#"{"predictor": {"kind": "monte-carlo", "agents": 5}}"#)
+        .unwrap_err();
     assert_eq!(kind.details()[0].field, "predictor.cell_m");
-    let prior = robot::Spec::read(br#"{"prior": 7}"#).unwrap_err();
+    let prior = robot::Description::read(br#"{"prior": 7}"#).unwrap_err();
     let told =
         "MALFORMED: prior is 7: use the name of a prior, or an object with one, not a number";
     assert_eq!(prior.to_string(), told);
@@ -320,7 +320,7 @@ fn many_fields_are_refused_at_once() {
     let fields: String = (0..20_000).map(|index| format!("\"f{index}\":1,")).collect();
     let body = format!("{{{fields}\"x\":1}}");
     assert_eq!(step::Request::read(body.as_bytes()).unwrap_err().details()[0].field, "f0");
-    assert_eq!(robot::Spec::read(body.as_bytes()).unwrap_err().len(), 20_001);
+    assert_eq!(robot::Description::read(body.as_bytes()).unwrap_err().len(), 20_001);
 }
 
 /// Guards against: a field that is left out where it has its default is unknown to whoever says the default.
@@ -351,7 +351,7 @@ fn a_field_that_a_type_leaves_out_is_known_all_the_same() {
 fn a_variant_is_never_told_by_its_number() {
     for number in [json!(0), json!(1), json!(7), json!(true), json!(null), json!([]), json!({})] {
         let body = json!({"predictor": {"kind": number}}).to_string();
-        let problems = robot::Spec::read(body.as_bytes()).expect_err(&body);
+        let problems = robot::Description::read(body.as_bytes()).expect_err(&body);
         assert_eq!(problems.details()[0].field, "predictor.kind", "{problems}");
     }
 }

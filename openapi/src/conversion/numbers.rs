@@ -1,16 +1,18 @@
 //! The contract has its own defaults and limits, so that who speaks it needs no core. They are core's.
 
 use crate::{environment, prior, robot, step, task, training};
+use umwelt_core::derived;
 use umwelt_core::identification::{BUILT_IN_PRIORS, estimate};
 use umwelt_core::settings::{self, Settings};
 use umwelt_core::{exchange, horizon, kinematics, link, plant, task as core_task};
 
 #[test]
 fn what_is_left_out_is_the_same_on_the_wire_and_in_core() {
-    let core = robot::Spec::from_core(&Settings::default(), Some(robot::DEFAULT_PRIOR));
+    let new = Settings { noise: settings::PoseNoise::CAMERA, slots: 40, ..Settings::default() };
+    let core = robot::Spec::from_core(&new, Some(robot::DEFAULT_PRIOR));
     assert_eq!(robot::Spec::default(), core);
     assert_eq!(robot::Drive::default(), kinematics::Drive::default().into());
-    assert_eq!(robot::Noise::default(), settings::PoseNoise::default().into());
+    assert_eq!(robot::Noise::default(), settings::PoseNoise::CAMERA.into());
     assert_eq!(robot::Prior::default(), settings::Prior::default().into());
     assert_eq!(task::Calibration::default(), core_task::Calibration::default().into());
     assert_eq!(task::DEFAULT_TOLERANCE, core_task::TOLERANCE);
@@ -19,6 +21,11 @@ fn what_is_left_out_is_the_same_on_the_wire_and_in_core() {
     let rtt = br#"{"slip": "none", "link": {"rtt": {"kind": "constant", "rtt_s": 0.1}}}"#;
     let ordinary = training::Spec::read(rtt).unwrap().to_link();
     assert_eq!(ordinary, link::LinkModel::ordinary(link::Rtt::Constant(0.1)));
+}
+
+#[test]
+fn the_fields_that_follow_from_others_are_those_of_core() {
+    assert_eq!(derived::Quantity::ALL.map(super::robot::path), robot::DERIVED);
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! A robot's description and the settings of its controller.
 
 use crate::body;
-use crate::check::{Check, Validate};
-use crate::checked::Checked;
+use crate::check::Check;
 use crate::named::Known;
 use crate::problem::{Problems, reason};
 use crate::robot::{
-    Attribution, Drive, Method, Noise, Pose, Predictor, PriorChoice, Spec, Steering, VarianceLimits,
+    Attribution, Description, Drive, Method, Noise, Pose, Predictor, PriorChoice, Said, Spec,
+    Steering, VarianceLimits,
 };
+use umwelt_core::derived::{self, Quantity};
 use umwelt_core::exchange;
 use umwelt_core::horizon::SLOT;
 use umwelt_core::kinematics;
@@ -137,6 +138,7 @@ impl From<settings::SteeringSettings> for Steering {
         Self {
             alpha_m_per_s: core.alpha,
             stop_radius_m: core.stop_radius,
+            tolerance_m: core.tolerance,
             turn_tolerance_rad: core.turn_tolerance,
             turn_beyond_rad: core.turn_beyond,
         }
@@ -163,36 +165,70 @@ impl From<&Settings> for Spec {
     }
 }
 
-impl Spec {
-    /// Reads the body of a PUT where the priors are known: what was said, and the settings that it means.
+impl Description {
+    /// Reads the body of a PUT where the priors are known: what was said, and the settings that it means, with what follows
+    /// from it. Slots are 30 ms long.
     ///
     /// # Errors
-    /// Every problem as [`Spec::read`] and [`Spec::to_core`] have it, all at once.
+    /// Every field that is unknown or out of its range, and a prior that no one knows; where there is none of these, the
+    /// fields that contradict each other.
+    ///
+    /// ```
+    /// use umwelt_api::{prior, robot::Description};
+    /// let body = br#"{"drive": {"wheel_radius_m": 0.033, "max_linear_m_per_s": 0.26}}"#;
+    /// let (_, settings) = Description::read_known(body, prior::built_in)?;
+    /// assert_eq!(settings.steering.alpha, 0.4);
+    ///
+    /// let body = br#"{"horizon_slots": 68, "drive": {"lag": 0.1}}"#;
+    /// let problems = Description::read_known(body, prior::built_in).unwrap_err();
+    /// let fields: Vec<_> = problems.details().iter().map(|detail| detail.field.as_str()).collect();
+    /// assert_eq!(fields, ["drive.lag", "horizon_slots"]);
+    /// # Ok::<(), umwelt_api::Problems>(())
+    /// ```
     pub fn read_known(
         json: &[u8],
         known: impl Fn(&str) -> Known<settings::Prior>,
-    ) -> Result<(Checked<Self>, Settings), Problems> {
-        let (spec, prior) =
-            body::read_resolved(json, |spec: &Self, check| spec.resolve_prior(known, check))?;
-        let settings = spec.convert(prior);
-        Ok((spec, settings))
+    ) -> Result<(Self, Settings), Problems> {
+        let read = body::read_said(json, |Said(spec), said, check| {
+            let prior = spec.resolve_prior(known, check);
+            // What is wrong by itself contradicts nothing.
+            let sound = Self::of(said.clone()).without(&check.fields());
+            let settings = sound.complete(sound.spec().convert(prior));
+            Spec::from(&settings).check_agreement(check);
+            settings
+        })?;
+        Ok((Self::of(read.said), read.resolved))
     }
 
-    /// The settings of the controller, where `known` says what prior a name stands for. Slots are 30 ms long.
-    ///
-    /// # Errors
-    /// Every field that is out of its range or contradicts another, and a prior that no one knows.
-    pub fn to_core(
-        &self,
-        known: impl Fn(&str) -> Known<settings::Prior>,
-    ) -> Result<Settings, Problems> {
-        let mut check = Check::default();
-        self.check(&mut check);
-        let prior = self.resolve_prior(known, &mut check);
-        check.finish()?;
-        Ok(self.convert(prior))
+    /// These settings with what follows from the rest and was not said.
+    fn complete(&self, settings: Settings) -> Settings {
+        derived::complete(settings, |quantity| self.says(path(quantity)))
     }
+}
 
+/// The field of a spec that holds what may follow from the rest: one of [`DERIVED`](crate::robot::DERIVED).
+pub(super) fn path(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::MaxLinear => "drive.max_linear_m_per_s",
+        Quantity::MinLinear => "drive.min_linear_m_per_s",
+        Quantity::MaxAngular => "drive.max_angular_rad_per_s",
+        Quantity::MinAngular => "drive.min_angular_rad_per_s",
+        Quantity::LinearAcceleration => "drive.max_linear_acceleration_m_per_s2",
+        Quantity::AngularAcceleration => "drive.max_angular_acceleration_rad_per_s2",
+        Quantity::MaxWheelSpeed => "drive.max_wheel_speed_rad_per_s",
+        Quantity::Alpha => "steering.alpha_m_per_s",
+        Quantity::StopRadius => "steering.stop_radius_m",
+        Quantity::Tolerance => "steering.tolerance_m",
+        Quantity::TurnTolerance => "steering.turn_tolerance_rad",
+        Quantity::TurnBeyond => "steering.turn_beyond_rad",
+        Quantity::PositionVariance => "variance.position_m2",
+        Quantity::HeadingVariance => "variance.heading_rad2",
+        Quantity::Watchdog => "watchdog_s",
+        Quantity::Slots => "horizon_slots",
+    }
+}
+
+impl Spec {
     /// The prior that is meant; anything where it is wrong, which `check` then knows.
     fn resolve_prior(
         &self,
@@ -228,6 +264,7 @@ impl Spec {
             steering: settings::SteeringSettings {
                 alpha: self.steering.alpha_m_per_s,
                 stop_radius: self.steering.stop_radius_m,
+                tolerance: self.steering.tolerance_m,
                 turn_tolerance: self.steering.turn_tolerance_rad,
                 turn_beyond: self.steering.turn_beyond_rad,
             },

@@ -61,6 +61,7 @@ impl Request {
             playing: core.playing.map(Playing::from),
             hold: core.limits.hold,
             max_speed_m_per_s: core.limits.max_speed,
+            drive_tag: None,
         }
     }
 }

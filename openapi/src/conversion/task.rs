@@ -22,7 +22,7 @@ impl From<&task::Task> for Spec {
     fn from(core: &task::Task) -> Self {
         Self {
             waypoints: core.waypoints.iter().map(|at| Waypoint { x_m: at.x, y_m: at.y }).collect(),
-            tolerance_m: core.tolerance,
+            tolerance_m: Some(core.tolerance),
             reverse: core.reverse,
             calibration: core.calibration.map(Calibration::from),
             max_deviation_m: core.max_deviation,
@@ -87,9 +87,9 @@ impl From<Progress> for task::Progress {
 }
 
 impl Checked<Spec> {
-    /// The task in core's terms.
-    pub fn to_core(&self) -> task::Task {
-        self.convert()
+    /// The task in core's terms, with the `tolerance` in m of the robot where it says none.
+    pub fn to_core(&self, tolerance: f64) -> task::Task {
+        task::Task { tolerance: self.tolerance_m.unwrap_or(tolerance), ..self.convert() }
     }
 }
 
@@ -98,7 +98,7 @@ impl Spec {
     pub fn convert(&self) -> task::Task {
         task::Task {
             waypoints: self.waypoints.iter().map(|at| Point::new(at.x_m, at.y_m)).collect(),
-            tolerance: self.tolerance_m,
+            tolerance: self.tolerance_m.unwrap_or(task::TOLERANCE),
             reverse: self.reverse,
             max_deviation: self.max_deviation_m,
             calibration: self.calibration.map(|calibration| task::Calibration {

@@ -21,7 +21,7 @@ mod tests {
     #[test]
     fn every_body_and_every_answer_has_an_example_that_is_one() {
         for operation in endpoint::all() {
-            if let Some((wire, max_bytes)) = operation.body {
+            if let Some((wire, max_bytes, _)) = operation.body {
                 let name = wire.schema(&mut Schemas::new()).0;
                 let example = of(&name).unwrap_or_else(|| panic!("{operation}: no body"));
                 assert!(wire.again(&example).is_ok(), "{operation}: {example}");

@@ -48,7 +48,7 @@ const REASONS: [Sample; 44] = [
     (reason::WRONG_LENGTH, 400, Status::InvalidArgument, "the request has 1 problem", "waypoints", "0", "use 1 to 1000 of them, not 0"),
     (reason::UNKNOWN_FIELD, 400, Status::InvalidArgument, "the request has 1 problem", "drive.lag", "0.1", "leave it out; known here: wheel_radius_m, track_width_m, lag_s"),
     (reason::MALFORMED, 400, Status::InvalidArgument, "the request has 1 problem", "method", "\"best\"", "use fixed-normal, fixed-bad, statistic, bayesian"),
-    (reason::INVALID_ID, 400, Status::InvalidArgument, "the request has 1 problem", "prior", "\"Wet Hall\"", "use 1 to 63 of a-z, 0-9 and -, the first no -"),
+    (reason::INVALID_ID, 400, Status::InvalidArgument, "the request has 1 problem", "prior", "\"Wet Hall\"", "use 1 to 63 of A-Z, a-z, 0-9, -, _ and ., the first a letter or a digit"),
     (reason::HIDDEN_CHARACTER, 400, Status::InvalidArgument, "the request has 1 problem", "note", "\"\\\\u{202e}\"", "leave out U+202E, which stands behind 0 characters"),
     (reason::UNKNOWN_METHOD, 400, Status::InvalidArgument, "the request has 1 problem", "methods[0]", "\"best\"", "known: thesis, statistic, bayesian"),
     (reason::UNKNOWN_PRESET, 400, Status::InvalidArgument, "the request has 1 problem", "slip", "\"lava\"", "known: none, hard, loaded, dusty, slippery, oily, towing, ramp"),

@@ -14,13 +14,17 @@ use utoipa::{Number, ToSchema};
 pub(super) fn apply(schemas: &mut Schemas) {
     let monte_carlo = robot::Predictor::MonteCarlo { agents: 1, cell_m: 0.01, seed: 0 };
     let prior = robot::PriorChoice::Inline(robot::Prior::default());
-    write(schemas, &robot::Spec::default());
-    write(schemas, &robot::Spec { predictor: monte_carlo, prior, ..robot::Spec::default() });
+    let spec = robot::Spec { predictor: monte_carlo, prior, ..robot::Spec::default() };
+    for example in [&robot::Spec::default(), &spec] {
+        write(schemas, example);
+        // A patch may have whatever a spec may have.
+        write_to(schemas, &robot::Patch::name(), example);
+    }
     write(
         schemas,
         &task::Spec {
             waypoints: vec![task::Waypoint { x_m: 0.0, y_m: 0.0 }],
-            tolerance_m: 0.01,
+            tolerance_m: Some(0.01),
             reverse: false,
             calibration: Some(task::Calibration::default()),
             max_deviation_m: Some(1.0),
@@ -39,8 +43,10 @@ pub(super) fn apply(schemas: &mut Schemas) {
             playing: Some(step::Playing { horizon: 0, since_s: 0.0 }),
             hold: false,
             max_speed_m_per_s: Some(0.0),
+            drive_tag: Some(0),
         },
     );
+    write(schemas, &step::TaggedDrive::new(robot::Drive::default()));
     write(
         schemas,
         &step::Horizon {
@@ -103,10 +109,15 @@ fn write_evolve(schemas: &mut Schemas) {
 }
 
 fn write<T: Validate + ToSchema>(schemas: &mut Schemas, example: &T) {
+    write_to(schemas, &T::name(), example);
+}
+
+/// Writes the limits of `example` into the schema `name`.
+fn write_to(schemas: &mut Schemas, name: &str, example: &impl Validate) {
     for (path, limit) in Check::limits(example) {
         let steps = path.replace("[0]", ".[]");
         let steps: Vec<_> = steps.split('.').collect();
-        let mut name = T::name().into_owned();
+        let mut name = name.to_owned();
         let mut rest = steps.as_slice();
         loop {
             let found = schemas.get_mut(&name).map(|schema| place(schema, rest, &limit));

@@ -23,6 +23,7 @@ pub(super) fn item(operation: &Operation, schemas: &mut Schemas) -> PathItem {
     let method = match operation.method {
         Method::Get => HttpMethod::Get,
         Method::Put => HttpMethod::Put,
+        Method::Patch => HttpMethod::Patch,
         Method::Post => HttpMethod::Post,
         Method::Delete => HttpMethod::Delete,
     };
@@ -32,13 +33,11 @@ pub(super) fn item(operation: &Operation, schemas: &mut Schemas) -> PathItem {
         .tag(operation.tag)
         .description(Some(about(operation)).filter(|about| !about.is_empty()));
     built = parameters(built, operation, schemas);
-    if let Some((wire, _)) = operation.body {
+    if let Some((wire, _, media_types)) = operation.body {
         let content = content(&wire, schemas);
-        let body = RequestBodyBuilder::new()
-            .required(Some(Required::True))
-            .content("application/json", content)
-            .build();
-        built = built.request_body(Some(body));
+        let body = RequestBodyBuilder::new().required(Some(Required::True));
+        let body = media_types.iter().fold(body, |body, it| body.content(*it, content.clone()));
+        built = built.request_body(Some(body.build()));
     }
     built = answers(built, operation.answer, schemas);
     for code in codes(operation) {
@@ -67,6 +66,9 @@ fn about(operation: &Operation) -> String {
         (false, _) => "",
         (true, Method::Put) => {
             "With the header `If-Match: ETAG` it is written only if it still has this `etag`, `*` only if it exists; with `If-None-Match: *` only if it does not."
+        }
+        (true, Method::Patch) => {
+            "With the header `If-Match: ETAG` it is changed only if it still has this `etag`."
         }
         (true, _) => {
             "With the header `If-Match: ETAG` it is removed only if it still has this `etag`."

@@ -18,11 +18,21 @@ macro_rules! bodies {
 }
 
 bodies! {
-    robot::Spec
+    robot::Description
     task::Spec
     step::Request
     prior::Spec
     training::Spec
     evolution::Request
     comparison::Request
+}
+
+impl Body for robot::Patch {
+    const MAX_BYTES: usize = robot::MAX_BODY;
+    const MEDIA_TYPES: &'static [&'static str] =
+        &["application/json", "application/merge-patch+json"];
+
+    fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
+        Self::read(json)
+    }
 }

@@ -63,6 +63,10 @@ const fn put(id: &'static str, path: &'static str) -> Endpoint {
     Endpoint::new(Operation { scope: Scope::Operator, ..Operation::new(Method::Put, id, path) })
 }
 
+const fn patch(id: &'static str, path: &'static str) -> Endpoint {
+    Endpoint::new(Operation { scope: Scope::Operator, ..Operation::new(Method::Patch, id, path) })
+}
+
 const fn post(id: &'static str, path: &'static str) -> Endpoint {
     Endpoint::new(Operation { scope: Scope::Operator, ..Operation::new(Method::Post, id, path) })
 }
@@ -122,7 +126,7 @@ impl<B, A> Endpoint<B, A> {
     }
 
     const fn takes<T: Body>(self) -> Endpoint<T, A> {
-        let body = Some((Wire::of::<T>(), T::MAX_BYTES));
+        let body = Some((Wire::of::<T>(), T::MAX_BYTES, T::MEDIA_TYPES));
         Endpoint::new(Operation { body, ..self.operation })
     }
 

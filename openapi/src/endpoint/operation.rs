@@ -10,6 +10,8 @@ pub enum Method {
     Get,
     /// Creates or replaces what has a name.
     Put,
+    /// Changes parts of something.
+    Patch,
     /// Does something, or creates what gets its name from the server.
     Post,
     /// Removes something.
@@ -22,6 +24,7 @@ impl Method {
         match self {
             Self::Get => "GET",
             Self::Put => "PUT",
+            Self::Patch => "PATCH",
             Self::Post => "POST",
             Self::Delete => "DELETE",
         }
@@ -89,8 +92,8 @@ pub struct Operation {
     pub tag: &'static str,
     /// Who may ask.
     pub scope: Scope,
-    /// Its body, and the most bytes of one.
-    pub body: Option<(Wire, usize)>,
+    /// Its body, the most bytes of one, and its media types.
+    pub body: Option<(Wire, usize, &'static [&'static str])>,
     /// Whether it takes `If-Match`, and a PUT `If-None-Match`.
     pub is_conditional: bool,
     /// Whether it takes an `Idempotency-Key`.

@@ -1,18 +1,26 @@
 //! Robots, their tasks, the hot path, the stop, what is identified, and what happens.
 
-use super::{Answer, Endpoint, Operation, Paged, Scope, delete, get, post, put};
+use super::{Answer, Endpoint, Operation, Paged, Scope, delete, get, patch, post, put};
 use crate::page::{DEFAULT_PAGE_SIZE, ID_TOKEN, MAX_PAGE_SIZE};
 use crate::{environment, event, robot, step, stop, task};
 
 endpoints! {
     /// Describe a robot
-    PUT_ROBOT: Endpoint<robot::Spec, robot::Robot> = put("put_robot", "/v1/robots/{robot}")
+    PUT_ROBOT: Endpoint<robot::Description, robot::Robot> = put("put_robot", "/v1/robots/{robot}")
         .tag("robots")
-        .about("Creates it or replaces what was said. The task is kept; what was learned is kept unless method, prior or drift changed.")
+        .about("Creates it or replaces all that was said: what is left out is default again, or follows from the rest. The task is kept; what was learned is kept unless method, prior or drift changed.")
         .conditional()
-        .takes::<robot::Spec>()
+        .takes::<robot::Description>()
         .gives(&[(200, "It was described anew"), (201, "It was described for the first time")])
         .fails(&[400, 409]);
+    /// Change parts of what was said about a robot
+    PATCH_ROBOT: Endpoint<robot::Patch, robot::Robot> = patch("patch_robot", "/v1/robots/{robot}")
+        .tag("robots")
+        .about("A JSON merge patch (RFC 7396), as `application/merge-patch+json` or `application/json`: what it has replaces what was said, null takes it back. Task and what was learned are kept as with PUT.")
+        .conditional()
+        .takes::<robot::Patch>()
+        .gives(&[(200, "It was changed")])
+        .fails(&[400, 404, 409]);
     /// Show a robot
     GET_ROBOT: Endpoint<(), robot::Robot> = get("get_robot", "/v1/robots/{robot}")
         .tag("robots")

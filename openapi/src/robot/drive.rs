@@ -74,6 +74,14 @@ impl Default for Drive {
 
 impl Validate for Drive {
     fn check(&self, check: &mut Check) {
+        self.check_ranges(check);
+        self.check_agreement(check);
+    }
+}
+
+impl Drive {
+    /// Checks each field by itself.
+    pub(super) fn check_ranges(&self, check: &mut Check) {
         check.number("wheel_radius_m", self.wheel_radius_m, WHEEL_RADIUS);
         check.number("track_width_m", self.track_width_m, TRACK_WIDTH);
         check.number("max_wheel_speed_rad_per_s", self.max_wheel_speed_rad_per_s, WHEEL_SPEED);
@@ -93,6 +101,10 @@ impl Validate for Drive {
         );
         check.number("lag_s", self.lag_s, LAG);
         check.number("dead_time_s", self.dead_time_s, LAG);
+    }
+
+    /// Checks the fields against each other.
+    pub(super) fn check_agreement(&self, check: &mut Check) {
         check.agrees(
             "min_linear_m_per_s",
             self.min_linear_m_per_s <= self.max_linear_m_per_s,
@@ -116,8 +128,8 @@ impl Validate for Drive {
     }
 }
 
-/// Known standard deviations of one observed pose; none by default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+/// Known standard deviations of one observed pose; by default those of a good camera.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
 #[schema(as = Noise)]
 pub struct Noise {
@@ -125,6 +137,12 @@ pub struct Noise {
     pub position_m: f64,
     /// Of the heading.
     pub heading_rad: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { position_m: 0.0005, heading_rad: 0.003 }
+    }
 }
 
 impl Validate for Noise {

@@ -1,12 +1,16 @@
 //! A robot: what is said about it once, and how it is now.
 
 mod choice;
+mod description;
 mod drive;
 mod prior;
 mod spec;
 
 pub use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
 pub use choice::{Attribution, CELL, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
+#[cfg(feature = "core")]
+pub(crate) use description::Said;
+pub use description::{DERIVED, Description, Patch};
 pub use drive::{
     ANGULAR_ACCELERATION, ANGULAR_SPEED, Drive, HEADING_NOISE, LAG, LINEAR_ACCELERATION,
     LINEAR_SPEED, Noise, POSITION_NOISE, TRACK_WIDTH, WHEEL_RADIUS, WHEEL_SPEED,
@@ -63,6 +67,10 @@ pub struct Robot {
     pub robot: RobotId,
     /// What was said about it, all filled in.
     pub spec: Spec,
+    /// What was said about it and no more: the rest of `spec` is default, or follows from this.
+    #[serde(default)]
+    #[schema(value_type = Spec)]
+    pub described: Description,
     /// Whether it is heard from.
     pub state: State,
     /// Time since its last step; null before the first.

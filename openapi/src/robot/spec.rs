@@ -1,11 +1,9 @@
 //! What is said about a robot once.
 
 use super::{Attribution, Drive, Method, Noise, Predictor, PriorChoice};
-use crate::body;
 use crate::check::{Check, Range, Validate};
-use crate::checked::Checked;
-use crate::problem::Problems;
 use crate::schema::ToSchema;
+use crate::task::{DEFAULT_TOLERANCE, TOLERANCE};
 use serde::{Deserialize, Serialize};
 
 /// Most slots of one horizon: 2 s of 30 ms, beyond which no prediction is worth playing.
@@ -61,6 +59,8 @@ pub struct Steering {
     pub alpha_m_per_s: f64,
     /// Distance to the waypoint at which the robot stops.
     pub stop_radius_m: f64,
+    /// Distance from a waypoint within which the robot has arrived, where its task says none.
+    pub tolerance_m: f64,
     /// Heading error that is good enough to drive.
     pub turn_tolerance_rad: f64,
     /// Heading error at which a driving robot stops to turn in place; above `turn_tolerance_rad`.
@@ -72,6 +72,7 @@ impl Default for Steering {
         Self {
             alpha_m_per_s: 0.2,
             stop_radius_m: 0.002,
+            tolerance_m: DEFAULT_TOLERANCE,
             turn_tolerance_rad: 0.10,
             turn_beyond_rad: 0.6,
         }
@@ -80,10 +81,21 @@ impl Default for Steering {
 
 impl Validate for Steering {
     fn check(&self, check: &mut Check) {
+        self.check_ranges(check);
+        self.check_agreement(check);
+    }
+}
+
+impl Steering {
+    fn check_ranges(&self, check: &mut Check) {
         check.number("alpha_m_per_s", self.alpha_m_per_s, ALPHA);
         check.number("stop_radius_m", self.stop_radius_m, STOP_RADIUS);
+        check.number("tolerance_m", self.tolerance_m, TOLERANCE);
         check.number("turn_tolerance_rad", self.turn_tolerance_rad, TURN);
         check.number("turn_beyond_rad", self.turn_beyond_rad, TURN);
+    }
+
+    fn check_agreement(&self, check: &mut Check) {
         check.agrees(
             "turn_beyond_rad",
             self.turn_beyond_rad > self.turn_tolerance_rad,
@@ -93,18 +105,8 @@ impl Validate for Steering {
     }
 }
 
-/// What is said about a robot once. Everything may be left out; a response has it all filled in.
-///
-/// ```
-/// use umwelt_api::{prior, robot::Spec};
-/// let spec = Spec::read(br#"{"method": "statistic", "drive": {"lag_s": 0.1}}"#)?;
-/// assert_eq!(spec.to_core(prior::built_in)?.drive.lag, 0.1);
-///
-/// let problems = Spec::read(br#"{"horizon_slots": 68, "drive": {"lag": 0.1}}"#).unwrap_err();
-/// let fields: Vec<_> = problems.details().iter().map(|detail| detail.field.as_str()).collect();
-/// assert_eq!(fields, ["drive.lag", "horizon_slots"]);
-/// # Ok::<(), umwelt_api::Problems>(())
-/// ```
+/// What is said about a robot once. Everything may be left out; a response has it all filled in. What was not said has its
+/// default, or follows from the rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
 #[schema(as = RobotSpec)]
@@ -144,7 +146,7 @@ impl Default for Spec {
             method: Method::Bayesian,
             attribution: Attribution::Sent,
             drift: false,
-            horizon_slots: 20,
+            horizon_slots: 40,
             loop_delay_s: 0.23,
             watchdog_s: 0.3,
             predictor: Predictor::Moments,
@@ -157,7 +159,15 @@ impl Default for Spec {
 
 impl Validate for Spec {
     fn check(&self, check: &mut Check) {
-        check.field("drive", |check| self.drive.check(check));
+        self.check_ranges(check);
+        self.check_agreement(check);
+    }
+}
+
+impl Spec {
+    /// Checks each field by itself.
+    pub(super) fn check_ranges(&self, check: &mut Check) {
+        check.field("drive", |check| self.drive.check_ranges(check));
         check.field("noise", |check| self.noise.check(check));
         check.integer("horizon_slots", self.horizon_slots as u64, 1..=MAX_SLOTS as u64);
         check.number("loop_delay_s", self.loop_delay_s, LOOP_DELAY);
@@ -170,17 +180,13 @@ impl Validate for Spec {
         );
         check.field("predictor", |check| self.predictor.check(check));
         check.field("variance", |check| self.variance.check(check));
-        check.field("steering", |check| self.steering.check(check));
+        check.field("steering", |check| self.steering.check_ranges(check));
         self.prior.check("prior", check);
     }
-}
 
-impl Spec {
-    /// Reads the body of a PUT; whether a prior goes by the name that it gives is not asked.
-    ///
-    /// # Errors
-    /// Every problem of it: unknown fields, values out of range, fields that contradict each other.
-    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
-        body::read_shared(json)
+    /// Checks the fields against each other.
+    pub(crate) fn check_agreement(&self, check: &mut Check) {
+        check.field("drive", |check| self.drive.check_agreement(check));
+        check.field("steering", |check| self.steering.check_agreement(check));
     }
 }

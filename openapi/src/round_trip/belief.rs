@@ -38,13 +38,13 @@ fn what_is_built_in_can_be_put_under_another_name() {
 fn a_robot_names_its_prior_or_has_its_own() {
     let read = |prior: Value| {
         let body = json!({ "prior": prior, "horizon_slots": 1 }).to_string();
-        robot::Spec::read_known(body.as_bytes(), prior::built_in)
+        robot::Description::read_known(body.as_bytes(), prior::built_in)
     };
-    let (spec, settings) = read(json!("flat")).unwrap();
-    assert_eq!((spec.prior.name(), settings.prior), (Some("flat"), Prior::flat()));
-    assert_eq!(robot::Spec::from_core(&settings, Some("flat")), *spec);
-    let (spec, settings) = read(json!({"turn": {"mu": 0.1, "k": 1, "r": 4, "s": 0.1}})).unwrap();
-    assert_eq!((spec.prior.name(), settings.prior.turn.mu()), (None, 0.1));
+    let (said, settings) = read(json!("flat")).unwrap();
+    assert_eq!(settings.prior, Prior::flat());
+    assert!(said.says("prior") && !said.says("prior.turn"));
+    let (said, settings) = read(json!({"turn": {"mu": 0.1, "k": 1, "r": 4, "s": 0.1}})).unwrap();
+    assert!(said.says("prior.turn") && settings.prior.turn.mu() == 0.1);
     assert_eq!(settings.prior.forward, Prior::default().forward);
     assert_eq!(robot::Spec::default().prior.name(), Some(robot::DEFAULT_PRIOR));
 }
@@ -53,7 +53,7 @@ fn a_robot_names_its_prior_or_has_its_own() {
 fn a_bad_prior_of_a_robot_is_told_with_everything_else() {
     let bad = |prior: Value| {
         let body = json!({ "prior": prior, "horizon_slots": 0, "drive": {"lag": 1} }).to_string();
-        robot::Spec::read_known(body.as_bytes(), prior::built_in).unwrap_err()
+        robot::Description::read_known(body.as_bytes(), prior::built_in).unwrap_err()
     };
     let told = |prior: Value| {
         let mut found = problems::<()>(Err(bad(prior)));

@@ -16,7 +16,7 @@ use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::local::LocalLimits;
-use umwelt_core::settings::Settings;
+use umwelt_core::settings::{PoseNoise, Settings};
 use umwelt_core::task as core_task;
 use umwelt_core::time::RobotTime;
 use umwelt_core::watch::Condition;
@@ -25,13 +25,13 @@ proptest! {
     #[test]
     fn a_robot_survives_the_wire(core in settings()) {
         let json = serde_json::to_vec(&robot::Spec::from(&core)).unwrap();
-        prop_assert_eq!(robot::Spec::read(&json).and_then(|spec| spec.to_core(prior::built_in)), Ok(core));
+        prop_assert_eq!(robot::Description::read_known(&json, prior::built_in).map(|(_, it)| it), Ok(core));
     }
 
     #[test]
     fn a_task_survives_the_wire(core in task()) {
         let json = serde_json::to_vec(&task::Spec::from(&core)).unwrap();
-        prop_assert_eq!(task::Spec::read(&json).map(|spec| spec.to_core()), Ok(core));
+        prop_assert_eq!(task::Spec::read(&json).map(|spec| spec.to_core(9.0)), Ok(core));
     }
 
     #[test]
@@ -107,12 +107,11 @@ fn pairs(expected: &[(&str, &str)]) -> Vec<(String, String)> {
 
 #[test]
 fn the_defaults_are_cores_and_pass() {
-    assert_eq!(
-        robot::Spec::read(b"{}").and_then(|spec| spec.to_core(prior::built_in)),
-        Ok(Settings::default())
-    );
+    let (said, settings) = robot::Description::read_known(b"{}", prior::built_in).unwrap();
+    assert_eq!((said, robot::Spec::from_core(&settings, Some("default"))), Default::default());
+    assert_eq!(settings, Settings { slots: 40, noise: PoseNoise::CAMERA, ..Settings::default() });
     let thesis = core_task::Task::thesis();
-    assert_eq!(Checked::new(task::Spec::from(&thesis)).unwrap().to_core(), thesis);
+    assert_eq!(Checked::new(task::Spec::from(&thesis)).unwrap().to_core(9.0), thesis);
 }
 
 #[test]
@@ -135,15 +134,19 @@ fn all_problems_are_told_at_once_with_their_paths() {
 
 #[test]
 fn fields_that_contradict_each_other_are_refused() {
-    let body = json!({"drive": {"min_linear_m_per_s": 0.2}, "watchdog_s": 0.01, "steering": {"turn_beyond_rad": 0.05},
+    let body = json!({"drive": {"min_linear_m_per_s": 0.2, "lag_s": 9}, "watchdog_s": 0.01, "steering": {"turn_beyond_rad": 0.05},
                       "predictor": {"kind": "moments", "agents": 5}});
     let expected = pairs(&[
         (reason::UNKNOWN_FIELD, "predictor.agents"),
-        (reason::INCONSISTENT, "drive.min_linear_m_per_s"),
+        (reason::OUT_OF_RANGE, "drive.lag_s"),
         (reason::INCONSISTENT, "watchdog_s"),
+        (reason::INCONSISTENT, "drive.min_linear_m_per_s"),
         (reason::INCONSISTENT, "steering.turn_beyond_rad"),
     ]);
-    assert_eq!(problems(robot::Spec::read(body.to_string().as_bytes())), expected);
+    assert_eq!(
+        problems(robot::Description::read_known(body.to_string().as_bytes(), prior::built_in)),
+        expected
+    );
 }
 
 #[test]

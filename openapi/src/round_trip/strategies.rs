@@ -88,12 +88,21 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
         .prop_map(|(position, heading)| settings::PoseNoise { position, heading });
     let variance = (within(robot::POSITION_VARIANCE), within(robot::HEADING_VARIANCE))
         .prop_map(|(position, heading)| settings::VarianceLimits { position, heading });
-    let steering = (within(robot::ALPHA), within(robot::STOP_RADIUS), 0.001..1.0f64, 1.0..3.0f64)
-        .prop_map(|(alpha, stop_radius, turn_tolerance, turn_beyond)| settings::SteeringSettings {
-            alpha,
-            stop_radius,
-            turn_tolerance,
-            turn_beyond,
+    let steering = (
+        within(robot::ALPHA),
+        within(robot::STOP_RADIUS),
+        within(task::TOLERANCE),
+        0.001..1.0f64,
+        1.0..3.0f64,
+    )
+        .prop_map(|(alpha, stop_radius, tolerance, turn_tolerance, turn_beyond)| {
+            settings::SteeringSettings {
+                alpha,
+                stop_radius,
+                tolerance,
+                turn_tolerance,
+                turn_beyond,
+            }
         });
     let prior = prior();
     let choices = (select(settings::Method::ALL.to_vec()), attribution, any::<bool>());

@@ -3,7 +3,7 @@
 use super::TIME;
 use crate::check::{Check, Range, Validate};
 use crate::number;
-use crate::robot::{MAX_INTEGER, MAX_SLOTS, WATCHDOG};
+use crate::robot::{Drive, MAX_INTEGER, MAX_SLOTS, WATCHDOG};
 use crate::schema::ToSchema;
 use crate::task;
 use serde::{Deserialize, Serialize};
@@ -82,4 +82,61 @@ pub struct Reply {
     pub stopped: bool,
     /// What it is doing about its task.
     pub stage: task::Stage,
+    /// The drive by which the robot is to move; left out where the request has its tag, or does not ask for one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<Box<TaggedDrive>>,
+}
+
+/// The drive of a robot, as the server was told it, and the tag by which both sides know it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = TaggedDrive)]
+pub struct TaggedDrive {
+    /// Another one with each drive, never 0.
+    pub tag: u64,
+    /// Geometry, limits and lag.
+    pub drive: Drive,
+}
+
+impl TaggedDrive {
+    /// `drive` with its tag: FNV-1a of its numbers, 53 bits.
+    pub fn new(drive: Drive) -> Self {
+        let Drive {
+            wheel_radius_m,
+            track_width_m,
+            max_wheel_speed_rad_per_s,
+            max_linear_m_per_s,
+            min_linear_m_per_s,
+            max_angular_rad_per_s,
+            min_angular_rad_per_s,
+            max_linear_acceleration_m_per_s2,
+            max_angular_acceleration_rad_per_s2,
+            lag_s,
+            dead_time_s,
+        } = drive;
+        let numbers = [
+            wheel_radius_m,
+            track_width_m,
+            max_wheel_speed_rad_per_s,
+            max_linear_m_per_s,
+            min_linear_m_per_s,
+            max_angular_rad_per_s,
+            min_angular_rad_per_s,
+            max_linear_acceleration_m_per_s2,
+            max_angular_acceleration_rad_per_s2,
+            lag_s,
+            dead_time_s,
+        ];
+        let bytes = numbers.into_iter().flat_map(f64::to_le_bytes);
+        let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+        Self { tag: (hash & MAX_INTEGER).max(1), drive }
+    }
+}
+
+impl Validate for TaggedDrive {
+    fn check(&self, check: &mut Check) {
+        check.integer("tag", self.tag, 1..=MAX_INTEGER);
+        check.field("drive", |check| self.drive.check(check));
+    }
 }

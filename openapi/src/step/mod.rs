@@ -2,7 +2,7 @@
 
 mod horizon;
 
-pub use horizon::{Horizon, Reply, SLOT, WHEEL_SPEED, WheelSpeeds};
+pub use horizon::{Horizon, Reply, SLOT, TaggedDrive, WHEEL_SPEED, WheelSpeeds};
 
 use crate::body;
 use crate::check::{Check, Range, Validate};
@@ -136,6 +136,10 @@ pub struct Request {
     /// its motors turn is a hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_speed_m_per_s: Option<f64>,
+    /// Tag of the drive by which the robot moves, as a reply gave it; 0 before it has one. Left out or null where it does not
+    /// ask for one: it is told its drive elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive_tag: Option<u64>,
 }
 
 impl Validate for Request {
@@ -143,6 +147,9 @@ impl Validate for Request {
         check.integer("sequence", self.sequence, 0..=MAX_INTEGER);
         check.integer("epoch", self.epoch, 0..=MAX_INTEGER);
         check.number("sent_s", self.sent_s, TIME);
+        if let Some(tag) = self.drive_tag {
+            check.integer("drive_tag", tag, 0..=MAX_INTEGER);
+        }
         check.length("observations", self.observations.len(), 0..=MAX_OBSERVATIONS);
         check.items("observations", &self.observations);
         for (index, observation) in self.observations.iter().enumerate() {

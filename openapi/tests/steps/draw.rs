@@ -59,8 +59,8 @@ pub fn robot() -> impl Strategy<Value = Settings> {
                 "loop_delay_s": loop_delay_s, "watchdog_s": watchdog_s, "drive": drive, "noise": noise,
                 "predictor": predictor, "variance": variance, "steering": steering, "prior": prior,
             });
-            let spec = robot::Spec::read(spec.to_string().as_bytes()).ok()?;
-            spec.to_core(built_in).ok()
+            let read = robot::Description::read_known(spec.to_string().as_bytes(), built_in);
+            read.ok().map(|(_, settings)| settings)
         },
     )
 }
@@ -192,7 +192,7 @@ pub fn task() -> impl Strategy<Value = Task> {
                 "waypoints": waypoints, "tolerance_m": tolerance, "reverse": reverse,
                 "calibration": calibration,
             });
-            wire_task::Spec::read(spec.to_string().as_bytes()).unwrap().to_core()
+            wire_task::Spec::read(spec.to_string().as_bytes()).unwrap().to_core(0.01)
         },
     )
 }

@@ -17,7 +17,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 use umwelt_api::prior::built_in;
-use umwelt_api::{robot, task};
+use umwelt_api::robot::Description;
+use umwelt_api::task;
 
 /// Robots that are driven: some seconds of them.
 const ROBOTS: u32 = 200;
@@ -54,14 +55,14 @@ proptest! {
 #[test]
 fn a_robot_that_cannot_tell_where_it_will_be_stays_within_its_limits() {
     let task = task::Spec::read(br#"{"waypoints": [{"x_m": -0.4, "y_m": 0.1}], "reverse": true}"#);
-    let task = task.unwrap().to_core();
+    let task = task.unwrap().to_core(0.01);
     for seed in 0..200 {
         let spec = json!({
             "prior": "flat",
             "predictor": {"kind": "monte-carlo", "agents": 2, "cell_m": 1.0, "seed": seed},
         });
-        let robot = robot::Spec::read(spec.to_string().as_bytes()).unwrap();
-        let robot = robot.to_core(built_in).unwrap();
+        let read = Description::read_known(spec.to_string().as_bytes(), built_in);
+        let (_, robot) = read.unwrap();
         let acts = vec![Act::Steps(vec![Said::regular(); 60])];
         drive::drive(&robot, task.clone(), 0.0, acts).unwrap();
     }

@@ -9,6 +9,7 @@ pub use sim::Sim;
 use std::ops::ControlFlow;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
+use umwelt_core::kinematics;
 use umwelt_core::local::LocalLimits;
 
 /// Poses out, wheel speeds in. Times are robot time in s and never go back.
@@ -18,6 +19,11 @@ pub trait Drive: Send {
 
     /// Whether something real moves, which must never be left moving for ever.
     const IS_HARDWARE: bool;
+
+    /// The server has this drive for it: before anything moves, and where it is described anew.
+    fn describe(&mut self, drive: &kinematics::Drive) {
+        let _ = drive;
+    }
 
     /// The run begins at `now`, at rest.
     fn begin(&mut self, now: f64);

@@ -7,6 +7,7 @@ use tokio::sync::watch;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
+use umwelt_core::kinematics;
 use umwelt_core::link::SENSOR_DELAY;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::plant::{Plant, PlantError, PlantModel};
@@ -24,6 +25,8 @@ pub struct Sim {
     applied: WheelSpeeds,
     /// Poses on their way from the camera: (arrival, pose).
     seen: VecDeque<(f64, Observation)>,
+    /// Whether it is as the server describes it.
+    is_as_described: bool,
     /// Its bumper and buttons.
     limits: Option<watch::Receiver<LocalLimits>>,
 }
@@ -42,8 +45,14 @@ impl Sim {
             now: 0.0,
             applied: WheelSpeeds::ZERO,
             seen: VecDeque::new(),
+            is_as_described: false,
             limits: None,
         })
+    }
+
+    /// The same with the wheels and limits that the server has for it; its lag stays its own.
+    pub fn as_described(self) -> Self {
+        Self { is_as_described: true, ..self }
     }
 
     /// The same with another time in s from a pose being taken to its being known.
@@ -72,6 +81,17 @@ impl Drive for Sim {
     type Input = ();
 
     const IS_HARDWARE: bool = false;
+
+    fn describe(&mut self, drive: &kinematics::Drive) {
+        if self.is_as_described {
+            let own = self.plant.model().drive;
+            self.plant.set_drive(kinematics::Drive {
+                lag: own.lag,
+                dead_time: own.dead_time,
+                ..*drive
+            });
+        }
+    }
 
     fn begin(&mut self, now: f64) {
         (self.began, self.now) = (now, now);

@@ -4,9 +4,9 @@ mod values;
 
 use clap::{Args, Parser, ValueEnum};
 use std::path::PathBuf;
-use umwelt_agent::Config;
 use umwelt_agent::drive::{Output, Sim};
 use umwelt_agent::transport::{self, Connect};
+use umwelt_agent::{Config, Told};
 use umwelt_client::api::RobotId;
 use umwelt_client::{Client, Error, read_token};
 use umwelt_core::exchange::PoseNoise;
@@ -94,45 +94,45 @@ enum DriveKind {
     Pipe,
 }
 
-/// The robot's own limits: they hold whatever the server says. The server should be told the same.
+/// The agent has wheels and limits from the server. What it is told here as well must be the same, or it does not drive.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Wheels and limits")]
+#[command(next_help_heading = "Wheels and limits [default of each: what the server has]")]
 struct Wheels {
     /// Radius of the wheels
-    #[arg(long, value_name = "M", value_parser = positive, default_value_t = Drive::default().wheel_radius)]
-    wheel_radius: f64,
+    #[arg(long, value_name = "M", value_parser = positive)]
+    wheel_radius: Option<f64>,
 
     /// Distance between the wheels
-    #[arg(long, value_name = "M", value_parser = positive, default_value_t = Drive::default().track_width)]
-    track_width: f64,
+    #[arg(long, value_name = "M", value_parser = positive)]
+    track_width: Option<f64>,
 
     /// Largest speed of a wheel
-    #[arg(long, value_name = "RAD/S", value_parser = positive, default_value_t = Drive::default().max_wheel_speed)]
-    max_wheel_speed: f64,
+    #[arg(long, value_name = "RAD/S", value_parser = positive)]
+    max_wheel_speed: Option<f64>,
 
     /// Largest speed
-    #[arg(long, value_name = "M/S", value_parser = positive, default_value_t = Drive::default().max_linear)]
-    max_speed: f64,
+    #[arg(long, value_name = "M/S", value_parser = positive)]
+    max_speed: Option<f64>,
 
     /// Smallest speed at which the motors turn; a step up to it is no acceleration
-    #[arg(long, value_name = "M/S", value_parser = not_negative, default_value_t = Drive::default().min_linear)]
-    min_speed: f64,
+    #[arg(long, value_name = "M/S", value_parser = not_negative)]
+    min_speed: Option<f64>,
 
     /// Largest angular velocity
-    #[arg(long, alias = "max-angular", value_name = "RAD/S", value_parser = positive, default_value_t = Drive::default().max_angular)]
-    max_turn: f64,
+    #[arg(long, alias = "max-angular", value_name = "RAD/S", value_parser = positive)]
+    max_turn: Option<f64>,
 
     /// Smallest angular velocity at which the motors turn
-    #[arg(long, alias = "min-angular", value_name = "RAD/S", value_parser = not_negative, default_value_t = Drive::default().min_angular)]
-    min_turn: f64,
+    #[arg(long, alias = "min-angular", value_name = "RAD/S", value_parser = not_negative)]
+    min_turn: Option<f64>,
 
     /// Largest acceleration
-    #[arg(long, value_name = "M/S^2", value_parser = positive, default_value_t = Drive::default().max_linear_acceleration)]
-    max_acceleration: f64,
+    #[arg(long, value_name = "M/S^2", value_parser = positive)]
+    max_acceleration: Option<f64>,
 
     /// Largest angular acceleration
-    #[arg(long, alias = "max-angular-acceleration", value_name = "RAD/S^2", value_parser = positive, default_value_t = Drive::default().max_angular_acceleration)]
-    max_turn_acceleration: f64,
+    #[arg(long, alias = "max-angular-acceleration", value_name = "RAD/S^2", value_parser = positive)]
+    max_turn_acceleration: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -210,13 +210,13 @@ impl Options {
     /// What is wrong with the call, in words.
     pub fn plan(self) -> Result<Plan, String> {
         self.refuse_foreign()?;
-        let drive = self.wheels.drive()?;
+        let told = self.wheels.told()?;
         let connect = self.connect().map_err(|error| error.to_string())?;
-        let mut config = Config { drive, duration: self.duration, ..Config::new(self.robot) };
+        let mut config = Config { drive: told, duration: self.duration, ..Config::new(self.robot) };
         if self.drive == DriveKind::Pipe {
             let output = match self.pipe.output {
                 None | Some(OutputKind::Wheels) => Output::Wheels,
-                Some(OutputKind::Twist) => Output::Twist(drive),
+                Some(OutputKind::Twist) => Output::Twist(told.over(Drive::default())),
             };
             return Ok(Plan { config, connect, which: Which::Pipe(output) });
         }
@@ -228,7 +228,7 @@ impl Options {
             drive: Drive {
                 lag: sim.lag.unwrap_or_default(),
                 dead_time: sim.dead_time.unwrap_or_default(),
-                ..drive
+                ..told.over(Drive::default())
             },
             slip: sim.slip.unwrap_or_default(),
             noise: PoseNoise {
@@ -239,7 +239,8 @@ impl Options {
         let sensor_delay = config.link.as_ref().map_or(SENSOR_DELAY, |link| link.sensor_delay);
         let sim = Sim::new(model, sim.start.unwrap_or_default(), config.seed)
             .map_err(|error| error.to_string())?
-            .with_sensor_delay(sensor_delay);
+            .with_sensor_delay(sensor_delay)
+            .as_described();
         Ok(Plan { config, connect, which: Which::Sim(Box::new(sim)) })
     }
 
@@ -287,15 +288,17 @@ impl Options {
 }
 
 impl Wheels {
-    fn drive(&self) -> Result<Drive, String> {
+    fn told(&self) -> Result<Told, String> {
         for (small, large, what) in
             [(self.min_speed, self.max_speed, "speed"), (self.min_turn, self.max_turn, "turn")]
         {
-            if small > large {
+            if let (Some(small), Some(large)) = (small, large)
+                && small > large
+            {
                 return Err(format!("--min-{what} {small} is larger than --max-{what} {large}"));
             }
         }
-        Ok(Drive {
+        Ok(Told {
             wheel_radius: self.wheel_radius,
             track_width: self.track_width,
             max_wheel_speed: self.max_wheel_speed,
@@ -305,8 +308,6 @@ impl Wheels {
             min_angular: self.min_turn,
             max_linear_acceleration: self.max_acceleration,
             max_angular_acceleration: self.max_turn_acceleration,
-            lag: 0.0,
-            dead_time: 0.0,
         })
     }
 }

@@ -38,7 +38,7 @@ fn what_is_asked_for_is_what_runs() {
     let plan = plan(&["--link", "bad", "--seed", "7", "--max-speed", "0.2", "--start", "-1,2,0.5"])
         .unwrap();
     assert_eq!(plan.config.link, LinkModel::preset("bad"));
-    assert_eq!((plan.config.seed, plan.config.drive.max_linear), (7, 0.2));
+    assert_eq!((plan.config.seed, plan.config.drive.max_linear), (7, Some(0.2)));
     assert!(matches!(plan.which, Which::Sim(_)));
 }
 
@@ -51,7 +51,10 @@ fn a_wrong_call_says_what_is_wrong() {
         (&["--output", "twist"], "--output goes with --drive pipe only"),
         (&["--wheel-radius", "0"], "0 is not positive"),
         (&["--track-width", "inf"], "inf is not finite"),
-        (&["--min-speed", "0.5"], "--min-speed 0.5 is larger than --max-speed 0.13"),
+        (
+            &["--min-speed", "0.5", "--max-speed", "0.4"],
+            "--min-speed 0.5 is larger than --max-speed 0.4",
+        ),
         (&["--dead-time", "9"], "a dead time of 9 s"),
         (&["--server", "ftp://h"], "http://"),
         (&["--token-file", "/nowhere/token"], "/nowhere/token"),

@@ -211,6 +211,7 @@ impl Inner {
             horizon: (&horizon).into(),
             stopped: self.controller.is_stopped(),
             stage: self.controller.progress().stage.into(),
+            drive: None,
         })
     }
 }

@@ -16,7 +16,7 @@ use crate::library::priors::Users;
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
 use crate::resource::failure::{self, Failure};
-use crate::store::{Change, Keeper, Kind, Posterior, Record, StopKeeper, Unreadables};
+use crate::store::{Change, Keeper, Kind, Posterior, Record, StopKeeper, Told, Unreadables};
 pub(crate) use keeping::Stops;
 use keeping::Unkept;
 use std::collections::BTreeMap;
@@ -27,7 +27,6 @@ use tokio::sync::{Mutex, Notify};
 use tokio::time::Instant;
 use umwelt_api::RobotId;
 use umwelt_core::controller::Saved;
-use umwelt_core::settings::Settings;
 use umwelt_core::task::Task;
 
 /// What each robot showed when it was last kept, and when that was.
@@ -88,13 +87,11 @@ impl Fleet {
         self.robots(None).into_iter().filter_map(named).collect()
     }
 
-    /// Describes a robot, for the first time or anew. `prior` is the name of the prior in `settings`, where it has
-    /// one.
+    /// Describes a robot, for the first time or anew.
     pub(crate) async fn put(
         &self,
         id: RobotId,
-        settings: Settings,
-        prior: Option<String>,
+        told: Told,
         condition: Condition,
     ) -> Result<(Arc<Robot>, Put), Failure> {
         let fleet = self.clone();
@@ -102,8 +99,8 @@ impl Fleet {
             loop {
                 fleet.accepts_changes()?;
                 let done = match fleet.find(&id) {
-                    Some(robot) => fleet.replace(robot, settings, &prior, &condition).await?,
-                    None => fleet.create(&id, settings, &prior, &condition).await?,
+                    Some(robot) => fleet.replace(robot, &told, &condition).await?,
+                    None => fleet.create(&id, &told, &condition).await?,
                 };
                 // Otherwise it was removed or created by someone else meanwhile: look again.
                 if let Some(done) = done {
@@ -117,8 +114,7 @@ impl Fleet {
     async fn create(
         &self,
         id: &RobotId,
-        settings: Settings,
-        prior: &Option<String>,
+        told: &Told,
         condition: &Condition,
     ) -> Result<Option<(Arc<Robot>, Put)>, Failure> {
         let _creating = self.0.creating.lock().await;
@@ -131,8 +127,7 @@ impl Fleet {
             return Err(failure::limit_reached("robots", self.0.max_robots));
         }
         let revision = self.next_revision();
-        let prior = prior.clone();
-        let record = Record { settings, prior, task: None, stopped: false, revision };
+        let record = Record { told: told.clone(), task: None, stopped: false, revision };
         self.keep(id, &record, None).await?;
         self.0.unreadable.remove(Kind::Robot, id.as_str());
         Ok(Some((self.insert(id.clone(), record, None, None), Put::Created)))
@@ -141,8 +136,7 @@ impl Fleet {
     async fn replace(
         &self,
         robot: Arc<Robot>,
-        settings: Settings,
-        prior: &Option<String>,
+        told: &Told,
         condition: &Condition,
     ) -> Result<Option<(Arc<Robot>, Put)>, Failure> {
         let _writing = robot.writing.lock().await;
@@ -152,7 +146,7 @@ impl Fleet {
         }
         robot.is_not_stuck()?;
         condition.check(Some(snapshot.etag()))?;
-        let change = RobotChange::Settings { settings: settings.into(), prior: prior.clone() };
+        let change = RobotChange::Told(Box::new(told.clone()));
         if !robot.is_alive() {
             // Its task has died. Someone describes it anew, so it may drive again; followers begin anew. What it
             // learned may be what it died of.

@@ -9,6 +9,7 @@ use std::time::Duration;
 use umwelt_api::problem::reason;
 use umwelt_api::robot::State;
 use umwelt_core::exchange::Request;
+use umwelt_core::settings::Settings;
 use umwelt_core::time::RobotTime;
 
 fn empty() -> Fleet {
@@ -39,7 +40,7 @@ async fn a_robot_whose_task_has_died_drives_again_once_it_is_described_anew() {
     fleet.0.robots.write().unwrap().insert(dead.id().clone(), Arc::clone(&dead));
     assert!(fleet.stop_all().await.is_err(), "nobody may think that it was told");
     let (robot, put) = fleet
-        .put(dead.id().clone(), Settings::default(), None, Condition::default())
+        .put(dead.id().clone(), Told::all(Settings::default()), Condition::default())
         .await
         .unwrap();
     assert_eq!(put, Put::Replaced);
@@ -57,7 +58,7 @@ async fn robots_that_compute_for_ever_hold_up_no_one_and_can_be_stopped() {
     let mut robots = Vec::new();
     for id in ["a", "b", "c", "d", "e", "well"] {
         let (id, settings) = (id.parse().unwrap(), Settings::default());
-        robots.push(fleet.put(id, settings, None, Condition::default()).await.unwrap().0);
+        robots.push(fleet.put(id, Told::all(settings), Condition::default()).await.unwrap().0);
     }
     let well = robots.pop().unwrap();
     let mut releases = Vec::new();
@@ -112,11 +113,11 @@ fn step(sequence: u64) -> Request {
 #[tokio::test]
 async fn a_robot_of_an_earlier_version_whose_id_begins_with_a_hyphen_goes_on() {
     let (settings, id) = (Settings::default(), "-r".parse::<RobotId>().unwrap());
-    let record = Record { settings, prior: None, task: None, stopped: false, revision: 1 };
+    let record = Record { told: Told::all(settings), task: None, stopped: false, revision: 1 };
     let stored = StoredRobot { id: id.clone(), record, saved: None };
     let fleet = open(vec![stored]);
     let put = async |id: &RobotId| {
-        fleet.put(id.clone(), Settings::default(), None, Condition::default()).await
+        fleet.put(id.clone(), Told::all(Settings::default()), Condition::default()).await
     };
     let (robot, done) = put(&id).await.unwrap();
     assert_eq!(done, Put::Replaced);

@@ -57,7 +57,7 @@ pub(crate) async fn named<T: FromStr<Err = InvalidId>, S: Send + Sync>(
     let path = Path::<HashMap<String, String>>::from_request_parts(parts, state).await;
     let Some(text) = path.ok().and_then(|Path(mut path)| path.remove(parameter)) else {
         // Percent-encoded bytes that are no text.
-        let remedy = "use 1 to 63 of a-z, 0-9 and -, the first no -";
+        let remedy = "use 1 to 63 of A-Z, a-z, 0-9, -, _ and ., the first a letter or a digit";
         return Err(Problems::from(Detail::new(reason::INVALID_ID, parameter, (), remedy)).into());
     };
     Ok(text.parse()?)
@@ -101,7 +101,7 @@ impl<B: body::Body> FromRequest<App> for Json<B> {
 
     async fn from_request(request: Request, app: &App) -> Result<Self, Failure> {
         let (parts, body) = request.into_parts();
-        expect_json(&parts.headers)?;
+        expect_json(&parts.headers, B::MEDIA_TYPES)?;
         expect_plain(&parts.headers)?;
         let promised = axum::body::HttpBody::size_hint(&body).lower();
         if promised > B::MAX_BYTES as u64 {
@@ -168,10 +168,10 @@ fn expect_plain(headers: &HeaderMap) -> Result<(), Failure> {
 }
 
 /// A body must say that it is JSON: then no web page of another origin can send it without asking.
-fn expect_json(headers: &HeaderMap) -> Result<(), Failure> {
+fn expect_json(headers: &HeaderMap, known: &[&str]) -> Result<(), Failure> {
     let given = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
     let essence = given.and_then(|text| text.split(';').next()).unwrap_or_default().trim();
-    if essence.eq_ignore_ascii_case("application/json") {
+    if known.iter().any(|known| essence.eq_ignore_ascii_case(known)) {
         return Ok(());
     }
     let remedy = "send Content-Type: application/json";

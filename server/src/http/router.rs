@@ -13,7 +13,7 @@ use axum::handler::Handler;
 use axum::http::StatusCode;
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
-use axum::routing::{delete, get, post, put};
+use axum::routing::{delete, get, patch, post, put};
 use std::any::Any;
 use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
@@ -47,6 +47,7 @@ fn every_route() -> Routes {
         // Robots, their tasks, the hot path and the stop
         .at(endpoint::LIST_ROBOTS, robots::list)
         .at(endpoint::PUT_ROBOT, robots::put)
+        .at(endpoint::PATCH_ROBOT, robots::patch)
         .at(endpoint::GET_ROBOT, robots::get)
         .at(endpoint::DELETE_ROBOT, robots::delete)
         .at(endpoint::PUT_TASK, tasks::put)
@@ -114,6 +115,7 @@ impl Routes {
         let method = match operation.method {
             Method::Get => get(handler),
             Method::Put => put(handler),
+            Method::Patch => patch(handler),
             Method::Post => post(handler),
             Method::Delete => delete(handler),
         };

@@ -3,7 +3,7 @@
 //! The record changes with the state alone. What changes with every batch stands in the checkpoint and in the parts.
 
 use super::work::Work;
-use crate::store::document::{Form, Unreadable, Upgrade};
+use crate::store::document::{self, Form, Unreadable, Upgrade};
 use crate::store::{JobId, StoredJob};
 use serde::de::DeserializeOwned;
 use serde::ser::Error;
@@ -12,7 +12,8 @@ use serde_json::{Map, Value};
 
 /// What leads the record of a job to the form of today: version 1 had evolutions alone and their names for some fields,
 /// version 2 the settings in core's names.
-pub(crate) const UPGRADES: &[Upgrade] = &[names_of_all_kinds, crate::store::document::job_settings];
+pub(crate) const UPGRADES: &[Upgrade] =
+    &[names_of_all_kinds, document::job_settings, document::same];
 
 /// How the parts of a job are kept. Their form has stayed; they go by the versions of records.
 pub(crate) const PART: Form = Form { is_within: true, upgrades: &[stays, stays], base: "{}" };

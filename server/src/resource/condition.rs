@@ -13,6 +13,11 @@ pub(crate) struct Condition {
 }
 
 impl Condition {
+    /// It has this version.
+    pub(crate) fn of(version: &str) -> Self {
+        Self { versions: Some(vec![version.to_owned()]), absent: false }
+    }
+
     /// Whether it holds of a resource whose version is `current`, none where there is no such resource.
     pub(crate) fn check(&self, current: Option<&str>) -> Result<(), Failure> {
         if self.absent && current.is_some() {

@@ -37,6 +37,11 @@ impl Failure {
         is_of_store && self.problem.status == Status::Internal
     }
 
+    /// Whether the resource has another version than the one that it was to have.
+    pub(crate) fn is_of_version(&self) -> bool {
+        self.problem.details.iter().any(|it| it.reason == reason::ETAG_MISMATCH)
+    }
+
     /// The same under another code.
     pub(crate) fn under(mut self, code: u16) -> Self {
         self.code = code;

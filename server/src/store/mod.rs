@@ -19,7 +19,7 @@ pub use job_id::{JobId, StoredKind};
 pub(crate) use keeper::Keeper;
 pub use memory::MemoryStore;
 pub use record::{
-    Contents, Part, Posterior, Record, StoredEnvironment, StoredJob, StoredPrior, StoredRobot,
+    Contents, Part, Posterior, Record, StoredEnvironment, StoredJob, StoredPrior, StoredRobot, Told,
 };
 
 pub use sqlite::{

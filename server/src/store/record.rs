@@ -5,17 +5,35 @@ use super::unreadable::Unreadable;
 use std::collections::BTreeMap;
 use umwelt_api::RobotId;
 use umwelt_api::prior::Source;
+use umwelt_api::robot::{Description, Spec};
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::{Prior, Settings};
 use umwelt_core::task::Task;
+
+/// What the controller of a robot was told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// All of it.
+    pub settings: Settings,
+    /// Name of the prior in the settings; none where its values were given.
+    pub prior: Option<String>,
+    /// What of the settings was said; the rest is default, or followed from it.
+    pub said: Description,
+}
+
+impl Told {
+    /// All of these settings, said.
+    pub fn all(settings: Settings) -> Self {
+        let said = Description::from(&Spec::from(&settings));
+        Self { settings, prior: None, said }
+    }
+}
 
 /// What is kept of one robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// What its controller was told.
-    pub settings: Settings,
-    /// Name of the prior in the settings; none where its values were given.
-    pub prior: Option<String>,
+    pub told: Told,
     /// Where it is to go.
     pub task: Option<Task>,
     /// Whether it is to rest until it is resumed: a restart must not set it in motion.

@@ -2,6 +2,7 @@
 
 use super::*;
 use umwelt_api::prior::Source;
+use umwelt_api::robot::{Description, Spec};
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::geometry::Point;
 use umwelt_core::settings::{Prior, Settings};
@@ -26,9 +27,9 @@ pub(crate) fn record(revision: u64) -> Record {
     let settings = Settings { slots: 1 + revision as usize % 20, ..Settings::default() };
     let waypoints = vec![Point::new(0.1, -0.3), Point::new(1.0 / 3.0, 2.0)];
     let task = (revision % 2 == 1).then(|| Task { waypoints, ..Task::thesis() });
+    let said = Description::from(&Spec::from_core(&settings, Some("weak")));
     Record {
-        settings,
-        prior: Some("weak".into()),
+        told: Told { settings, prior: Some("weak".into()), said },
         task,
         stopped: revision.is_multiple_of(3),
         revision,
@@ -37,7 +38,7 @@ pub(crate) fn record(revision: u64) -> Record {
 
 /// What a robot of that record may have learned, another thing for each `deliveries`.
 pub(crate) fn saved(record: &Record, deliveries: u64) -> Saved {
-    let mut controller = Controller::new(record.settings);
+    let mut controller = Controller::new(record.told.settings);
     if let Some(task) = record.task.clone() {
         controller.set_task(task);
     }

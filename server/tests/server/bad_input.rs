@@ -115,7 +115,7 @@ async fn a_bad_description_or_task_changes_nothing() {
     let answer = api.put("/v1/robots/r/task", task).await;
     assert_eq!(answer.fields(), ["waypoints[0].y_m", "tolerance_m"]);
     assert_eq!(api.put("/v1/robots/r/task", json!({"waypoints": []})).await.code, 400);
-    assert_eq!(api.put("/v1/robots/New_One", json!({})).await.problem().1, "INVALID_ID");
+    assert_eq!(api.put("/v1/robots/_new", json!({})).await.problem().1, "INVALID_ID");
     assert_eq!(api.state().await, before);
     assert_eq!(api.get("/v1/robots").await.json()["robots"].as_array().unwrap().len(), 1);
 }
@@ -147,7 +147,7 @@ async fn whatever_is_wrong_the_body_is_the_same() {
         ("GET", "/v1/robots/r/step", &[], "", 405, "UNIMPLEMENTED", "METHOD_NOT_ALLOWED"),
         ("GET", "/v1/robots/%ff%fe", &[], "", 400, "INVALID_ARGUMENT", "INVALID_ID"),
         ("GET", "/v1/robots/%zz", &[], "", 400, "INVALID_ARGUMENT", "INVALID_ID"),
-        ("GET", "/v1/robots/R", &[], "", 400, "INVALID_ARGUMENT", "INVALID_ID"),
+        ("GET", "/v1/robots/.r", &[], "", 400, "INVALID_ARGUMENT", "INVALID_ID"),
         ("PUT", "/v1/robots/..%2fr", &[JSON], "{}", 400, "INVALID_ARGUMENT", "INVALID_ID"),
         ("GET", "/v1/robots/unknown", &[], "", 404, "NOT_FOUND", "NO_SUCH_RESOURCE"),
         ("GET", "/v1/robots/unknown/events", &[], "", 404, "NOT_FOUND", "NO_SUCH_RESOURCE"),
@@ -167,7 +167,7 @@ async fn whatever_is_wrong_the_body_is_the_same() {
         ),
         ("GET", "/v1/robots?page_size=0", &[], "", 400, "INVALID_ARGUMENT", "OUT_OF_RANGE"),
         ("GET", "/v1/robots?page_size=x", &[], "", 400, "INVALID_ARGUMENT", "MALFORMED"),
-        ("GET", "/v1/robots?page_token=A", &[], "", 400, "INVALID_ARGUMENT", "MALFORMED"),
+        ("GET", "/v1/robots?page_token=.a", &[], "", 400, "INVALID_ARGUMENT", "MALFORMED"),
         ("GET", "/v1/robots?colour=red", &[], "", 400, "INVALID_ARGUMENT", "UNKNOWN_FIELD"),
         ("GET", "/v1/events", &[("last-event-id", "x")], "", 400, "INVALID_ARGUMENT", "MALFORMED"),
         ("GET", "/v1/robots", &[("grpc-timeout", "1x")], "", 400, "INVALID_ARGUMENT", "MALFORMED"),
@@ -315,7 +315,7 @@ async fn what_is_good_and_at_odds_is_a_conflict() {
 #[tokio::test(start_paused = true)]
 async fn the_query_is_checked_as_a_whole() {
     let api = Api::new().await;
-    let answer = api.get("/v1/robots?page_size=0&page_token=A&state=gone&colour=red").await;
+    let answer = api.get("/v1/robots?page_size=0&page_token=.a&state=gone&colour=red").await;
     let mut fields = answer.fields();
     fields.sort();
     assert_eq!(fields, ["colour", "page_size", "page_token", "state"]);

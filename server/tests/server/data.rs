@@ -42,8 +42,7 @@ fn backup(directory: &Path, file: &Path) -> Command {
 /// A data directory with one robot in it.
 fn filled(directory: &Path) {
     let record = umwelt_server::store::Record {
-        settings: Default::default(),
-        prior: None,
+        told: umwelt_server::store::Told::all(Default::default()),
         task: None,
         stopped: false,
         revision: 1,

@@ -248,7 +248,7 @@ async fn a_page_of_ones_own_reads_answers_and_errors() {
         ("GET", "/v1/robots/r", 200),
         ("GET", "/v1/robots/nobody", 404),
         ("PUT", "/v1/robots/r", 200),
-        ("PATCH", "/v1/robots/r", 405),
+        ("TRACE", "/v1/robots/r", 405),
         ("POST", "/v1/stop", 200),
     ] {
         let body = if method == "PUT" { "{}" } else { "" };

@@ -13,6 +13,7 @@ use umwelt_core::settings::{Prior, Settings};
 use umwelt_server::Store;
 use umwelt_server::store::{
     Change, Contents, JobId, Posterior, Record, SqliteStore, StoredJob, StoredKind, StoredPrior,
+    Told,
 };
 
 /// Where the child is to keep things.
@@ -40,7 +41,7 @@ fn robot(writer: u64) -> umwelt_api::RobotId {
 /// What `writer` keeps in its turn `turn`: in every table something that says so.
 fn changes(writer: u64, turn: u64) -> Vec<Change> {
     let (settings, body) = (Settings::default(), turn.to_string());
-    let record = Record { settings, prior: None, task: None, stopped: false, revision: turn };
+    let record = Record { told: Told::all(settings), task: None, stopped: false, revision: turn };
     let saved = Controller::new(settings).saved();
     vec![
         Change::PutJob(StoredJob { id: job(writer), finished: false, body: body.clone() }),

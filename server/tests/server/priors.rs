@@ -73,7 +73,7 @@ async fn what_is_wrong_with_a_prior_is_said_at_once() {
         assert!(fields.iter().any(|it| it == field), "{field} is not in {fields:?}");
     }
     assert_eq!(
-        api.put("/v1/priors/Dune", dune()).await.problem(),
+        api.put("/v1/priors/_dune", dune()).await.problem(),
         pair("INVALID_ARGUMENT", "INVALID_ID")
     );
     for built_in in ["default", "empirical", "flat", "thesis", "thesis-20"] {

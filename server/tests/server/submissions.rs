@@ -74,7 +74,10 @@ async fn everything_that_is_wrong_is_said_at_once() {
     for path in ["/v1/evolutions/x", "/v1/evolutions/evolution-01", "/v1/evolutions/evolution--1"] {
         assert_eq!(api.get(path).await.code, 404, "{path}");
     }
-    assert_eq!(api.get("/v1/evolutions/A").await.problem(), pair("INVALID_ARGUMENT", "INVALID_ID"));
+    assert_eq!(
+        api.get("/v1/evolutions/_a").await.problem(),
+        pair("INVALID_ARGUMENT", "INVALID_ID")
+    );
     let query = "/v1/evolutions?page_size=0&state=dead&page_token=x&sort=up";
     assert_eq!(api.get(query).await.fields(), ["state", "page_token", "sort", "page_size"]);
 }

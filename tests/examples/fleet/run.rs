@@ -89,16 +89,15 @@ pub async fn fleet(
     let client = Client::new(&url)?;
     let members = members(options, seeds)?;
     let settings = settings(options, slots);
-    let spec = robot::Spec::from(&settings);
+    let said = robot::Description::from(&robot::Spec::from(&settings));
     let mut agents = JoinSet::new();
     for member in &members {
-        client.put_robot(&member.robot, &spec).await?;
+        client.put_robot(&member.robot, &said).await?;
         client.set_task(&member.robot, &task::Spec::from(&Task::thesis())).await?;
         let plant = PlantModel { drive: settings.drive, slip: member.slip, noise: settings.noise };
         let drive = Sim::new(plant, Pose::default(), member.own_seed)?
             .with_sensor_delay(link_model.sensor_delay);
         let config = Config {
-            drive: settings.drive,
             link: Some(link_model.clone()),
             seed: member.own_seed,
             ..Config::new(member.robot.clone())
@@ -123,7 +122,7 @@ pub async fn fleet(
     Ok(Summary {
         link: link.to_owned(),
         slots,
-        method: spec.method,
+        method: settings.method.into(),
         wall_time_s: begun.elapsed().as_secs_f64(),
         median_time_s: quantile(times, 0.5),
         median_deviation_m: quantile(deviations.clone(), 0.5),

@@ -32,7 +32,7 @@ const CORE: Layers = &[
     &["robot/horizon.rs"],
     &["robot/"],
     &["control/conjugate/"],
-    &["control/settings.rs", "control/task.rs", "control/condition.rs"],
+    &["control/derived.rs", "control/settings.rs", "control/task.rs", "control/condition.rs"],
     &["control/commands/"],
     &["control/prediction/"],
     &["control/identification/"],
@@ -93,8 +93,8 @@ const CLIENT: Layers = &[
 ];
 
 const AGENT: Layers = &[
-    &["clock.rs", "throttle.rs", "log.rs"],
-    &["drive/", "transport.rs", "restraint.rs"],
+    &["clock.rs", "epoch.rs", "throttle.rs", "log.rs", "on_the_way.rs", "told.rs"],
+    &["drive/", "limits.rs", "transport.rs", "restraint.rs"],
     &["report.rs"],
     &["robot.rs"],
     &["agent.rs"],

@@ -285,7 +285,18 @@ async fn ids_and_paths_that_are_none_are_refused() {
     let robot = driven(&server).await;
     let before = shown(&server, &robot).await;
     let long = "a".repeat(64);
-    for name in ["Rover", "rover_7", "rover%207", "%C3%A4", "%ff%fe", "..%2Fstop", &long, "a%00"] {
+    for name in [
+        "_rover",
+        ".rover",
+        "rover%207",
+        "%C3%A4",
+        "%ff%fe",
+        "..%2Fstop",
+        &long,
+        "a%00",
+        "%2e",
+        "a%5Cb",
+    ] {
         for (method, below) in [("PUT", ""), ("GET", ""), ("POST", "/step"), ("POST", "/stop")] {
             let path = format!("/v1/robots/{name}{below}");
             let answer = http::call(server.address, method, &path, &[], b"{}").await;

@@ -18,7 +18,7 @@ mod tokens;
 
 use serde_json::Value;
 use umwelt_api::RobotId;
-use umwelt_api::robot::Spec;
+use umwelt_api::robot::Description;
 use umwelt_api::task;
 use umwelt_client::Client;
 use umwelt_tests::http;
@@ -29,7 +29,7 @@ use umwelt_tests::server::Server;
 fn straight_to(x_m: f64) -> task::Spec {
     task::Spec {
         waypoints: vec![task::Waypoint { x_m, y_m: 0.0 }],
-        tolerance_m: 0.01,
+        tolerance_m: Some(0.01),
         reverse: false,
         calibration: None,
         max_deviation_m: None,
@@ -39,7 +39,7 @@ fn straight_to(x_m: f64) -> task::Spec {
 /// Describes the robot `name`, all by default.
 async fn describe(client: &Client, name: &str) -> RobotId {
     let robot = id(name);
-    client.put_robot(&robot, &Spec::default()).await.unwrap();
+    client.put_robot(&robot, &Description::default()).await.unwrap();
     robot
 }
 

@@ -2,7 +2,7 @@
 
 use super::{describe, straight_to};
 use umwelt_api::problem::Status;
-use umwelt_api::robot::Spec;
+use umwelt_api::robot::{Description, Spec};
 use umwelt_client::Error;
 use umwelt_tests::http;
 use umwelt_tests::server::Server;
@@ -21,15 +21,20 @@ async fn what_has_changed_meanwhile_is_not_overwritten() {
     let first = client.get_robot(&robot).await.unwrap();
     let mut mine = Spec::default();
     mine.drive.wheel_radius_m = 0.021;
-    let changed = client.if_match(&first.etag).put_robot(&robot, &mine).await.unwrap();
+    let changed =
+        client.if_match(&first.etag).put_robot(&robot, &Description::from(&mine)).await.unwrap();
     assert_ne!(changed.etag, first.etag);
     let theirs = Spec { drift: true, ..Spec::default() };
-    let error = client.if_match(&first.etag).put_robot(&robot, &theirs).await.unwrap_err();
+    let error = client
+        .if_match(&first.etag)
+        .put_robot(&robot, &Description::from(&theirs))
+        .await
+        .unwrap_err();
     assert_is_mismatch(&error);
     assert_eq!(client.get_robot(&robot).await.unwrap().spec, mine);
     let error = client.if_match(&first.etag).delete_robot(&robot).await.unwrap_err();
     assert_is_mismatch(&error);
-    client.if_match(&changed.etag).put_robot(&robot, &theirs).await.unwrap();
+    client.if_match(&changed.etag).put_robot(&robot, &Description::from(&theirs)).await.unwrap();
     assert_eq!(client.get_robot(&robot).await.unwrap().spec, theirs);
 
     let task = client.set_task(&robot, &straight_to(0.3)).await.unwrap();

@@ -2,7 +2,7 @@
 
 use crate::ARRIVAL;
 use umwelt_agent::TraceRow;
-use umwelt_api::robot::Spec;
+use umwelt_api::robot::{Description, Spec};
 use umwelt_api::task::Stage;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Point, Pose};
@@ -72,7 +72,11 @@ async fn drive(scenario: &Scenario) -> Vec<Run> {
     let mut agents = Vec::new();
     for seed in SEEDS {
         let robot = id(&format!("seed-{seed}"));
-        server.client.put_robot(&robot, &Spec::from(&scenario.settings)).await.unwrap();
+        server
+            .client
+            .put_robot(&robot, &Description::from(&Spec::from(&scenario.settings)))
+            .await
+            .unwrap();
         server.client.set_task(&robot, &(&scenario.task).into()).await.unwrap();
         let link = Some(scenario.link.clone());
         let simulated = Simulated { plant: scenario.plant, start: scenario.start, link, seed };

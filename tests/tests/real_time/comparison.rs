@@ -1,7 +1,7 @@
 //! What a comparison says of methods is true of robots: some of it driven over HTTP in real time.
 
 use crate::ARRIVAL;
-use umwelt_api::robot::Spec;
+use umwelt_api::robot::{Description, Spec};
 use umwelt_api::task::Stage;
 use umwelt_core::episode::Scenario;
 use umwelt_lab::comparison::ComparisonSettings;
@@ -33,7 +33,11 @@ async fn drive(scenarios: &[(&str, Scenario)]) -> Vec<Vec<Run>> {
     for (place, (_, scenario)) in scenarios.iter().enumerate() {
         for seed in 0..DRIVEN {
             let robot = id(&format!("contender-{place}-{seed}"));
-            server.client.put_robot(&robot, &Spec::from(&scenario.settings)).await.unwrap();
+            server
+                .client
+                .put_robot(&robot, &Description::from(&Spec::from(&scenario.settings)))
+                .await
+                .unwrap();
             server.client.set_task(&robot, &(&scenario.task).into()).await.unwrap();
             let link = Some(scenario.link.clone());
             let simulated = Simulated { plant: scenario.plant, start: scenario.start, link, seed };

@@ -1,6 +1,8 @@
+use super::description::{ATTRIBUTIONS, METHODS};
 use super::*;
 use clap::Parser;
-use umwelt_api::robot::Pose;
+use serde_json::Value;
+use umwelt_api::robot::{Attribution, Description, Method, Pose, Spec};
 use umwelt_api::task::{Progress, Stage};
 
 #[derive(Parser)]
@@ -9,14 +11,16 @@ struct Line {
     add: Add,
 }
 
-fn spec(flags: &str) -> Result<Spec, Failure> {
-    Line::parse_from(format!("add a {flags}").split_whitespace()).add.spec()
+fn said(flags: &str) -> Value {
+    let line = Line::parse_from(format!("add a {flags}").split_whitespace());
+    json!(line.add.flags.description(None).unwrap())
 }
 
 fn robot(id: &str, state: State) -> Robot {
     Robot {
         robot: id.parse().unwrap(),
         spec: Spec::default(),
+        described: Description::read(br#"{"drive": {"lag_s": 0}}"#).unwrap().into_inner(),
         state,
         last_seen_s_ago: None,
         stopped: false,
@@ -34,14 +38,31 @@ fn robot(id: &str, state: State) -> Robot {
 
 #[test]
 fn flags_say_what_they_say_and_nothing_else() {
-    assert_eq!(spec("").unwrap(), Spec::default());
-    let changed = spec("--method fixed-bad --slots 3 --lag 0.12 --max-speed 0.2 --drift").unwrap();
-    let mut expected =
-        Spec { method: Method::FixedBad, horizon_slots: 3, drift: true, ..Spec::default() };
-    expected.drive.lag_s = 0.12;
-    expected.drive.max_linear_m_per_s = 0.2;
-    assert_eq!(changed, expected);
-    assert_eq!(spec("--prior wet-hall").unwrap().prior.name(), Some("wet-hall"));
+    assert_eq!(said(""), json!({}));
+    let drive = json!({"lag_s": 0.12, "max_linear_m_per_s": 0.2});
+    let expected =
+        json!({"method": "fixed-bad", "horizon_slots": 3, "drift": true, "drive": drive});
+    assert_eq!(said("--method fixed-bad --slots 3 --lag 0.12 --max-speed 0.2 --drift"), expected);
+    assert_eq!(said("--prior wet-hall"), json!({"prior": "wet-hall"}));
+}
+
+#[test]
+fn a_change_says_only_what_is_changed() {
+    let patch = |flags: &str, unset: &[&str]| {
+        let line = Line::parse_from(format!("add a {flags}").split_whitespace());
+        let unset: Vec<_> = unset.iter().map(|&it| it.to_owned()).collect();
+        line.add.flags.patch(&unset).map(|patch| json!(patch))
+    };
+    let expected = json!({"drive": {"lag_s": 0.1, "dead_time_s": null}, "method": null});
+    assert_eq!(patch("--lag 0.1", &["drive.dead_time_s", "method"]).unwrap(), expected);
+    for (flags, unset, why) in [
+        ("", [].as_slice(), "nothing to change"),
+        ("", &["drive.lag"], "no such field"),
+        ("--lag -1", &[], "drive.lag_s is -1.0: OUT_OF_RANGE"),
+    ] {
+        let Err(Failure::Wrong(text)) = patch(flags, unset) else { panic!("{flags} {unset:?}") };
+        assert!(text.contains(why), "{text}");
+    }
 }
 
 #[test]
@@ -100,6 +121,14 @@ fn a_robot_that_holds_shows() {
 fn a_robot_is_shown_with_every_field_of_its_description() {
     let text = show(&robot("a", State::Never));
     assert!(text.starts_with("a: never seen\n  pose        -\n"), "{text}");
-    assert!(text.contains("\n  drive.wheel_radius_m"), "{text}");
-    assert!(text.contains("\n  predictor.kind"), "{text}");
+    for line in [
+        "drive.wheel_radius_m 0.03 m default",
+        "drive.lag_s 0 s set",
+        "steering.alpha_m_per_s 0.2 m/s derived",
+        "horizon_slots 40 derived",
+        "predictor.kind moments default",
+    ] {
+        let is_there = |shown: &str| shown.split_whitespace().eq(line.split(' '));
+        assert!(text.lines().any(is_there), "{line}: {text}");
+    }
 }

@@ -43,8 +43,8 @@ pub(super) enum Command {
 }
 
 const SET_EXAMPLES: &str = "\
-Before the task the robot calibrates: it turns left and right and drives 0.3 m forward and back, to learn what floor
-and link are like. Give it the room, or another calibration, or none.
+With --calibrate the robot first turns left and right and drives 0.3 m forward and back, to learn what floor and link are
+like. Give it the room, or another calibration: each flag of one asks for it.
 
 A task that is the same as the one under way goes on as it is; once the robot has arrived, it is driven again. --again
 drives it from its beginning in any case.
@@ -52,7 +52,7 @@ drives it from its beginning in any case.
 With --watch the exit status is 0 once the robot has arrived. Ctrl-C ends the watching, not the task.
 
 Examples:
-  umwelt task set rover-7 --waypoint 0.2,0 --waypoint 0,0 --watch
+  umwelt task set rover-7 --waypoint 0.2,0 --waypoint 0,0 --calibrate --watch
   umwelt task set rover-7 --waypoint -0.2,-0.1 --reverse --calibration-straight 0.1
   umwelt --json task show rover-7 | jq .spec | umwelt task set rover-8 --file -";
 
@@ -73,7 +73,7 @@ pub(super) struct Set {
     /// Task in JSON, - for standard input; flags win over it
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Distance from a waypoint within which the robot has arrived
+    /// Distance from a waypoint within which the robot has arrived [default: that of the robot]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Largest distance from the path before the robot rests [default: the leg's length, at least ten track widths]
@@ -96,10 +96,14 @@ pub(super) struct Set {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Calibration")]
 struct CalibrationFlags {
-    /// Begin the task at once
+    /// Turn left and right and drive ahead and back before the task, to learn the floor [default: begin at once]
+    #[arg(long)]
+    calibrate: bool,
+    /// Begin at once although the file has a calibration
     #[arg(
         long,
         conflicts_with_all = [
+            "calibrate",
             "calibration_straight",
             "calibration_rotations",
             "calibration_turn",
@@ -148,7 +152,7 @@ impl Command {
 }
 
 impl Set {
-    /// The file, with the flags on top. Without a file the robot calibrates unless a flag says otherwise.
+    /// The file, with the flags on top.
     fn spec(&self) -> Result<Spec, Failure> {
         let mut source = "the task".to_owned();
         let mut spec = match &self.file {
@@ -165,8 +169,8 @@ impl Set {
         if !self.waypoints.is_empty() {
             spec.waypoints.clone_from(&self.waypoints);
         }
-        if let Some(tolerance) = self.tolerance {
-            spec.tolerance_m = tolerance;
+        if self.tolerance.is_some() {
+            spec.tolerance_m = self.tolerance;
         }
         if self.max_deviation.is_some() {
             spec.max_deviation_m = self.max_deviation;
@@ -178,15 +182,16 @@ impl Set {
     }
 }
 
-/// A task without waypoints as the contract fills it in, with the usual calibration.
+/// A task without waypoints as the contract fills it in.
 fn empty() -> Result<Spec, Failure> {
-    let spec = json!({ "waypoints": [], "calibration": {} });
+    let spec = json!({ "waypoints": [] });
     serde_json::from_value(spec).map_err(|error| Failure::Failed(format!("no empty task: {error}")))
 }
 
 impl CalibrationFlags {
     fn on_top_of(&self, before: Option<Calibration>) -> Option<Calibration> {
         let Self {
+            calibrate,
             no_calibration,
             calibration_straight,
             calibration_rotations,
@@ -196,8 +201,9 @@ impl CalibrationFlags {
         } = self;
         let numbers =
             [calibration_straight, calibration_turn, calibration_rotate, calibration_pause];
-        let given =
-            calibration_rotations.is_some() || numbers.iter().any(|number| number.is_some());
+        let given = *calibrate
+            || calibration_rotations.is_some()
+            || numbers.iter().any(|number| number.is_some());
         if *no_calibration {
             return None;
         }
@@ -315,6 +321,8 @@ fn accepted(task: &Task) -> String {
 
 fn show(task: &Task) -> String {
     let Task { robot, spec, progress, .. } = task;
+    let within =
+        spec.tolerance_m.map_or_else(String::new, |m| format!(", within {}", millimetres(m)));
     let reverse = if spec.reverse { ", in reverse where shorter" } else { "" };
     let mut table = Table::new([
         Column::Number("WAYPOINT"),
@@ -333,10 +341,9 @@ fn show(task: &Task) -> String {
         table.row([number, metres(waypoint.x_m), metres(waypoint.y_m), state.to_owned()]);
     }
     format!(
-        "{robot}: {}\n{}, within {}{reverse}\n\n{table}",
+        "{robot}: {}\n{}{within}{reverse}\n\n{table}",
         quantity::progress(progress),
         accepted(task).split_once(": ").map_or("", |(_, rest)| rest),
-        millimetres(spec.tolerance_m),
     )
 }
 

@@ -23,7 +23,7 @@ fn task(stage: Stage, leg: usize) -> Task {
         limited_by: None,
         watch: None,
     };
-    let spec = spec("--waypoint 0.2,0 --waypoint 0,-0.1").unwrap();
+    let spec = spec("--waypoint 0.2,0 --waypoint 0,-0.1 --calibrate --tolerance 0.01").unwrap();
     Task { robot: "a".parse().unwrap(), spec, progress, etag: "\"1\"".to_owned() }
 }
 
@@ -32,13 +32,14 @@ fn coordinates_may_be_negative_and_flags_may_follow() {
     let spec = spec("--waypoint -0.2,-0.1 --waypoint 0,1 --reverse --tolerance 0.02").unwrap();
     let waypoints = [(-0.2, -0.1), (0.0, 1.0)].map(|(x_m, y_m)| Waypoint { x_m, y_m });
     assert_eq!(spec.waypoints, waypoints);
-    assert_eq!((spec.reverse, spec.tolerance_m), (true, 0.02));
+    assert_eq!((spec.reverse, spec.tolerance_m), (true, Some(0.02)));
 }
 
 #[test]
-fn the_robot_calibrates_unless_told_otherwise() {
+fn the_robot_calibrates_where_it_is_told_to() {
     let calibration = |flags: &str| spec(&format!("--waypoint 1,0 {flags}")).unwrap().calibration;
-    assert_eq!(calibration(""), Some(Calibration::default()));
+    assert_eq!(calibration(""), None);
+    assert_eq!(calibration("--calibrate"), Some(Calibration::default()));
     assert_eq!(calibration("--no-calibration"), None);
     let straight = Calibration { straight_m: 0.1, rotations: 4, ..Calibration::default() };
     assert_eq!(calibration("--calibration-straight 0.1 --calibration-rotations 4"), Some(straight));

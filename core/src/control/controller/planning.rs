@@ -9,7 +9,7 @@ use crate::geometry::elementary::least;
 use crate::horizon::{Horizon, MAX_WATCHDOG};
 use crate::kinematics;
 use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
-use crate::settings::{PredictorKind, Settings};
+use crate::settings::{PoseNoise, PredictorKind, Settings};
 use crate::task::Limit;
 use crate::time::RobotTime;
 
@@ -111,12 +111,15 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         start: RobotTime,
         sequence: u64,
     ) -> (Prediction, WheelSpeeds) {
-        let Settings { drive, noise, predictor, .. } = &self.settings;
+        let Settings { drive, predictor, .. } = &self.settings;
         let pose = track.last.pose;
+        // The variance rule judges what motion adds: the tracker's noise is there at any speed, and slowing down for it
+        // would only make it more per metre.
+        let exact = PoseNoise::default();
         let (mut prediction, mut pieces) = match *predictor {
-            PredictorKind::Moments => (Prediction::moments(pose, *noise), Pieces::gathered()),
+            PredictorKind::Moments => (Prediction::moments(pose, exact), Pieces::gathered()),
             PredictorKind::MonteCarlo { agents, cell, seed } => {
-                let agents = Agents::new(pose, *noise, model, agents, cell, seed ^ sequence);
+                let agents = Agents::new(pose, exact, model, agents, cell, seed ^ sequence);
                 (Prediction::MonteCarlo(agents), Pieces::apart())
             }
         };

@@ -158,6 +158,13 @@ impl Actuation {
         }
     }
 
+    /// The robot moves by another `drive` from now on; its wheels turn as they did.
+    pub fn describe(&mut self, drive: Drive) {
+        self.drive = drive;
+        self.output = kinematics::forward(&drive, self.applied);
+        (self.settled, self.unchanged_until) = (false, None);
+    }
+
     /// A new epoch: sequences of horizons start again; what is playing goes on until it is replaced or expires.
     pub fn restart_sequences(&mut self) {
         self.newest = None;

@@ -182,6 +182,14 @@ impl Plant {
         self.model.slip = slip;
     }
 
+    /// Other wheels and limits from now on; they turn as they did. What cannot be a drive changes nothing.
+    pub fn set_drive(&mut self, drive: Drive) {
+        let model = PlantModel { drive, ..self.model };
+        if model.validate().is_ok() {
+            self.model = model;
+        }
+    }
+
     /// Seconds that the plant has advanced.
     pub fn time(&self) -> f64 {
         self.time

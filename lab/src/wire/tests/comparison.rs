@@ -204,7 +204,7 @@ fn every_limit_of_a_comparison_is_refused_with_its_field() {
         ("trials", json!(1)),
         ("trials", json!(10_001)),
         ("seed", json!(1u64 << 53)),
-        ("prior", json!("Mine")),
+        ("prior", json!("my own")),
         ("prior", json!("")),
     ];
     for (field, value) in outside {

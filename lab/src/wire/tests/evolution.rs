@@ -147,7 +147,7 @@ fn every_limit_of_an_evolution_is_refused_with_its_field() {
         ("horizon_slots", json!(68)),
         ("environments", json!([])),
         ("environments", json!((0..33).map(|i| format!("e{i}")).collect::<Vec<_>>())),
-        ("prior", json!("Mine")),
+        ("prior", json!("my own")),
         ("prior", json!("")),
     ];
     for (field, value) in outside {

@@ -29,6 +29,7 @@ use tracing::warn;
 use umwelt_core::exchange::Observation;
 use umwelt_core::geometry::{Pose, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
+use umwelt_core::kinematics;
 use umwelt_core::local::LocalLimits;
 
 /// Most lines read ahead of the loop; a tracker that is faster has to wait.
@@ -134,6 +135,12 @@ impl Drive for Pipe {
     type Input = Option<Line>;
 
     const IS_HARDWARE: bool = true;
+
+    fn describe(&mut self, drive: &kinematics::Drive) {
+        if let Output::Twist(described) = &mut self.output {
+            *described = *drive;
+        }
+    }
 
     fn begin(&mut self, now: f64) {
         self.next_line = now;

@@ -7,6 +7,7 @@ use crate::fleet::robot::{Common, Workers};
 use crate::library::priors::Priors;
 use crate::program::config::Config;
 use crate::resource::condition::Condition;
+use crate::store::Told;
 use crate::store::{
     Contents, JobId, Keeper, MemoryStore, Part, StopKeeper, Store, StoreError, stop_journal,
 };
@@ -241,7 +242,8 @@ fn play(ops: Vec<Op>, with_journal: bool) {
     let mut life = Life::begin(&kept, directory.path(), with_journal);
     life.runtime.block_on(async {
         for robot in 0..ROBOTS {
-            let put = life.fleet.put(id(robot), Settings::default(), None, Condition::default());
+            let put =
+                life.fleet.put(id(robot), Told::all(Settings::default()), Condition::default());
             put.await.unwrap();
         }
     });
@@ -275,7 +277,8 @@ fn play(ops: Vec<Op>, with_journal: bool) {
                     if fleet.delete(found, Condition::default()).await.is_err() {
                         return false;
                     }
-                    let put = fleet.put(id(robot), Settings::default(), None, Condition::default());
+                    let put =
+                        fleet.put(id(robot), Told::all(Settings::default()), Condition::default());
                     put.await.unwrap();
                     true
                 });

@@ -5,16 +5,15 @@
 //!
 //! [`Snapshot::saved_after`]: super::Snapshot::saved_after
 
-use crate::store::Record;
+use crate::store::{Record, Told};
 use umwelt_core::controller::Controller;
-use umwelt_core::settings::Settings;
 use umwelt_core::task::Task;
 
 /// A change of what a robot is or does.
 #[derive(Clone, Debug)]
 pub(crate) enum RobotChange {
-    /// New settings; `prior` is the name of the prior in them.
-    Settings { settings: Box<Settings>, prior: Option<String> },
+    /// New settings.
+    Told(Box<Told>),
     /// A task in place of the one before, or none any more.
     Task(Option<Task>),
 }
@@ -23,7 +22,7 @@ impl RobotChange {
     /// Makes it in a controller.
     pub(super) fn apply(&self, controller: &mut Controller) {
         match self {
-            Self::Settings { settings, .. } => controller.replace_settings(**settings),
+            Self::Told(told) => controller.replace_settings(told.settings),
             Self::Task(Some(task)) => controller.set_task(task.clone()),
             Self::Task(None) => controller.cancel_task(),
         }
@@ -32,9 +31,7 @@ impl RobotChange {
     /// What is kept of a robot after it, where that was `before`.
     pub(crate) fn kept(&self, before: Record, revision: u64) -> Record {
         match self.clone() {
-            Self::Settings { settings, prior } => {
-                Record { settings: *settings, prior, revision, ..before }
-            }
+            Self::Told(told) => Record { told: *told, revision, ..before },
             Self::Task(task) => Record { task, revision, ..before },
         }
     }

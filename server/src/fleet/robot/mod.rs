@@ -280,7 +280,7 @@ mod tests {
     use super::*;
     use crate::fleet::feed::Feed;
     use crate::library::priors::Priors;
-    use crate::store::Posterior;
+    use crate::store::{Posterior, Told};
     use std::time::Duration;
     use umwelt_core::settings::Settings;
     use umwelt_core::task::Task;
@@ -308,7 +308,7 @@ mod tests {
 
     fn record() -> Record {
         let settings = Settings::default();
-        Record { settings, prior: None, task: None, stopped: false, revision: 1 }
+        Record { told: Told::all(settings), task: None, stopped: false, revision: 1 }
     }
 
     fn common() -> Common {
@@ -359,7 +359,7 @@ mod tests {
         let robot = Robot::spawn("r".parse().unwrap(), record(), None, None, common());
         robot.step(request(), 7).await.unwrap();
         let drive = Settings { watchdog: 0.25, ..Settings::default() };
-        let described = RobotChange::Settings { settings: drive.into(), prior: None };
+        let described = RobotChange::Told(Box::new(Told::all(drive)));
         let changes = [RobotChange::Task(Some(Task::thesis())), described, RobotChange::Task(None)];
         for (revision, change) in (2..).zip(changes) {
             let (kept, record) =

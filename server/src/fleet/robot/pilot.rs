@@ -102,11 +102,11 @@ impl Pilot {
         ring: Arc<Ring>,
         brake: Arc<Brake>,
     ) -> (Self, watch::Receiver<Arc<Snapshot>>) {
-        let Record { settings, prior, task, revision, .. } = record;
+        let Record { told, task, revision, .. } = record;
         let order = brake.order();
         let assigned = task.clone().map(Assigned::new);
-        let controller = controller(&id, settings, task, order.is_stopped(), saved);
-        let described = Described::new(settings, prior, &common.priors);
+        let controller = controller(&id, told.settings, task, order.is_stopped(), saved);
+        let described = Described::new(told, &common.priors);
         let shown = Snapshot::of(&controller, described, assigned, revision);
         let (snapshot, receiver) = watch::channel(Arc::new(shown.clone()));
         let pilot = Self {
@@ -198,8 +198,8 @@ impl Pilot {
             }
         };
         let stopped = self.controller.is_stopped();
-        let reply = Reply { horizon, stopped, stage: self.controller.progress().stage.into() };
-        let reply = Arc::new(reply);
+        let stage = self.controller.progress().stage.into();
+        let reply = Arc::new(Reply { horizon, stopped, stage, drive: None });
         self.session.answered(epoch, request, Arc::clone(&reply));
         Ok(reply)
     }
@@ -264,7 +264,7 @@ impl Pilot {
             Command::Change { change, revision } => {
                 change.apply(&mut self.controller);
                 let said = match &change {
-                    RobotChange::Settings { .. } => Kind::Registered,
+                    RobotChange::Told(_) => Kind::Registered,
                     RobotChange::Task(_) => Kind::Task(self.controller.progress().into()),
                 };
                 self.shown.change(change, revision, &self.common.priors);

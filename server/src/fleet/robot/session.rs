@@ -139,7 +139,7 @@ mod tests {
             valid_until_s: None,
             wheel_speeds: Vec::new(),
         };
-        Arc::new(Reply { horizon, stopped: false, stage: Stage::Idle })
+        Arc::new(Reply { horizon, stopped: false, stage: Stage::Idle, drive: None })
     }
 
     /// Judges and answers as the robot does.

@@ -3,14 +3,15 @@
 use super::change::RobotChange;
 use crate::library::priors::Priors;
 use crate::resource::etag;
-use crate::store::{Posterior, Record};
+use crate::store::{Posterior, Record, Told};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::Instant;
 use umwelt_api::RobotId;
 use umwelt_api::environment::{self, Environment};
 use umwelt_api::prior::Source;
-use umwelt_api::robot::{Pose, Robot, Spec, State};
+use umwelt_api::robot::{Description, Pose, Robot, Spec, State};
+use umwelt_api::step::TaggedDrive;
 use umwelt_api::task;
 use umwelt_api::watch::Watch;
 use umwelt_core::controller::{Controller, Saved};
@@ -29,14 +30,26 @@ pub(super) struct Described {
     pub(super) prior: Option<Arc<str>>,
     /// Where it comes from; that never changes while a robot uses it.
     pub(super) source: Source,
+    /// What of them was said.
+    said: Arc<Description>,
+    /// The drive in them, as robots get it.
+    drive: TaggedDrive,
     pub(super) etag: Arc<str>,
 }
 
 impl Described {
-    pub(super) fn new(settings: Settings, prior: Option<String>, priors: &Priors) -> Self {
+    pub(super) fn new(told: Told, priors: &Priors) -> Self {
+        let Told { settings, prior, said } = told;
         let (prior, source) = (prior.as_deref().map(Arc::from), priors.source(prior.as_deref()));
-        let etag = etag::of(&Spec::from_core(&settings, prior.as_deref()));
-        Self { settings, prior, source, etag }
+        let etag = etag::of(&(Spec::from_core(&settings, prior.as_deref()), &said));
+        let drive = TaggedDrive::new(settings.drive.into());
+        Self { settings, prior, source, said: said.into(), drive, etag }
+    }
+
+    /// What it was told.
+    fn told(&self) -> Told {
+        let prior = self.prior.as_deref().map(str::to_owned);
+        Told { settings: self.settings, prior, said: (*self.said).clone() }
     }
 
     /// What is identified, as the wire has it.
@@ -146,9 +159,7 @@ impl Snapshot {
     /// Shows what the robot is or does after `change`, which is kept under `revision`.
     pub(super) fn change(&mut self, change: RobotChange, revision: u64, priors: &Priors) {
         match change {
-            RobotChange::Settings { settings, prior } => {
-                self.described = Described::new(*settings, prior, priors);
-            }
+            RobotChange::Told(told) => self.described = Described::new(*told, priors),
             RobotChange::Task(task) => self.assigned = task.map(Assigned::new),
         }
         self.revision = revision;
@@ -197,13 +208,22 @@ impl Snapshot {
     /// What is to be kept of it, where it is to be `stopped` after a restart or not.
     pub(crate) fn record(&self, stopped: bool) -> Record {
         let task = self.assigned.as_ref().map(|assigned| (*assigned.task).clone());
-        Record {
-            settings: self.described.settings,
-            prior: self.prior().map(str::to_owned),
-            task,
-            stopped,
-            revision: self.revision,
-        }
+        Record { told: self.described.told(), task, stopped, revision: self.revision }
+    }
+
+    /// What was said about it.
+    pub(crate) fn said(&self) -> &Description {
+        &self.described.said
+    }
+
+    /// What its controller was told.
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.described.settings
+    }
+
+    /// Its drive, where `tag` is that of another.
+    pub(crate) fn other_drive(&self, tag: u64) -> Option<TaggedDrive> {
+        Some(self.described.drive).filter(|drive| drive.tag != tag)
     }
 
     /// Name of the prior in the settings.
@@ -251,6 +271,7 @@ impl Snapshot {
         Robot {
             robot: id.clone(),
             spec: Spec::from_core(&self.described.settings, self.prior()),
+            described: self.said().clone(),
             state: self.state,
             last_seen_s_ago: self.seen.map(|seen| now.duration_since(seen).as_secs_f64()),
             stopped: self.stopped,

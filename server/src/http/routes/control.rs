@@ -8,13 +8,18 @@ use crate::http::budget::Peer;
 use crate::http::extract::{Body, Known};
 use axum::extract::State;
 use axum::http::StatusCode;
-use umwelt_api::step::Request;
+use umwelt_api::step::{Reply, Request};
 use umwelt_api::stop::{Stop, StopAll};
 
-/// Observations in, horizon out.
+/// Observations in, horizon out; with it the drive, where the robot asks for one and has another or none.
 pub(crate) async fn step(Known(robot): Known, Body(request): Body<Request>) -> Result {
     let reply = robot.step(request.to_core(), request.epoch).await?;
-    Ok(answer::json(StatusCode::OK, &*reply))
+    let drive = request.drive_tag.and_then(|tag| robot.snapshot().other_drive(tag));
+    if drive.is_none() {
+        return Ok(answer::json(StatusCode::OK, &*reply));
+    }
+    let reply = Reply { drive: drive.map(Box::new), ..(*reply).clone() };
+    Ok(answer::json(StatusCode::OK, &reply))
 }
 
 pub(crate) async fn stop(State(app): State<App>, peer: Peer, Known(robot): Known) -> Result {

@@ -1,45 +1,84 @@
 //! Robots: described, shown, listed, removed.
 
 use super::page::{self, Query, Robots};
+use crate::fleet::robot::Robot;
 use crate::http::answer;
 use crate::http::answer::Result;
 use crate::http::app::App;
 use crate::http::budget::Peer;
-use crate::http::extract::{Id, Json, Known};
+use crate::http::extract::{Body, Id, Json, Known};
 use crate::resource::change::{Put, to_the_end};
 use crate::resource::condition::Condition;
-use crate::store::Kind;
+use crate::resource::failure;
+use crate::store::{Kind, Told};
 use axum::extract::State;
 use axum::http::StatusCode;
+use axum::response::Response;
 use tokio::time::Instant;
 use umwelt_api::RobotId;
-use umwelt_api::robot::{Page, Spec};
+use umwelt_api::problem::Problems;
+use umwelt_api::robot::{Description, Page, Patch};
 
 pub(crate) async fn put(
     State(app): State<App>,
     peer: Peer,
     Id(id): Id,
     condition: Condition,
-    body: Json<Spec>,
+    body: Json<Description>,
 ) -> Result {
     let (robot, put) = to_the_end(async move {
         // Until the robot has it, the prior of this name neither changes nor goes.
         let _giving = app.priors.giving().await;
-        let (spec, settings) = Spec::read_known(&body.bytes, |name| app.priors.known(name))?;
-        let prior = spec.prior.name().map(str::to_owned);
-        app.fleet.put(id, settings, prior, condition).await
+        app.fleet.put(id, told(&app, &body.bytes)?, condition).await
     })
     .await?;
     tracing::info!(robot = %robot.id(), %peer, "robot described");
-    let snapshot = robot.snapshot();
-    let shown = snapshot.robot(robot.id(), Instant::now());
-    Ok(answer::versioned(code(put), snapshot.etag(), &shown))
+    Ok(show(&robot, code(put)))
+}
+
+/// Changes parts of what was said. Whoever changes other parts meanwhile is not undone.
+pub(crate) async fn patch(
+    State(app): State<App>,
+    peer: Peer,
+    Known(robot): Known,
+    condition: Condition,
+    Body(patch): Body<Patch>,
+) -> Result {
+    let id = robot.id().clone();
+    let (robot, _) = to_the_end(async move {
+        let _giving = app.priors.giving().await;
+        loop {
+            let robot = app.fleet.find(&id).ok_or_else(|| failure::no_such_robot(&id))?;
+            let snapshot = robot.snapshot();
+            condition.check(Some(snapshot.etag()))?;
+            let told = told(&app, &snapshot.said().patched(&patch))?;
+            let unchanged = Condition::of(snapshot.etag());
+            match app.fleet.put(id.clone(), told, unchanged).await {
+                Err(failure) if failure.is_of_version() => {}
+                done => return done,
+            }
+        }
+    })
+    .await?;
+    tracing::info!(robot = %robot.id(), %peer, "robot described in parts");
+    Ok(show(&robot, StatusCode::OK))
+}
+
+/// What a description tells a controller, with the priors that there are.
+fn told(app: &App, json: &[u8]) -> std::result::Result<Told, Problems> {
+    let (said, settings) = Description::read_known(json, |name| app.priors.known(name))?;
+    let prior = said.prior().map(str::to_owned);
+    Ok(Told { settings, prior, said })
 }
 
 pub(crate) async fn get(Known(robot): Known) -> Result {
+    Ok(show(&robot, StatusCode::OK))
+}
+
+fn show(robot: &Robot, code: StatusCode) -> Response {
     let snapshot = robot.snapshot();
     let shown = snapshot.robot(robot.id(), Instant::now());
-    Ok(answer::versioned(StatusCode::OK, snapshot.etag(), &shown))
+    answer::versioned(code, snapshot.etag(), &shown)
 }
 
 pub(crate) async fn delete(

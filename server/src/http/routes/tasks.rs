@@ -20,7 +20,7 @@ pub(crate) async fn put(
     condition: Condition,
     Body(spec): Body<Spec>,
 ) -> Result {
-    let task = spec.to_core();
+    let task = spec.to_core(robot.snapshot().settings().steering.tolerance);
     let waypoints = task.waypoints.len();
     let put = app.fleet.put_task(robot.clone(), task, condition).await?;
     tracing::info!(robot = %robot.id(), %peer, waypoints, "task set");

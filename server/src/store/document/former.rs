@@ -19,6 +19,9 @@ pub(super) fn robot(content: &mut Fields) {
     inside(content, "task", task);
 }
 
+/// Only new fields, whose base says what their lack means.
+pub(crate) fn same(_: &mut Fields) {}
+
 /// The note goes to the values of a prior.
 pub(super) fn prior(content: &mut Fields) {
     let note = content.remove("note").unwrap_or_default();

@@ -21,7 +21,7 @@ pub(crate) mod robot;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub(crate) use former::job_settings;
+pub(crate) use former::{job_settings, same};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;

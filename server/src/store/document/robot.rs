@@ -1,21 +1,26 @@
 //! A robot as it is kept, and what it has learned.
 
 use super::{Form, Unfit, Unreadable, former};
-use crate::store::Record;
+use crate::store::{Record, Told};
 use serde::{Deserialize, Serialize};
 use umwelt_api::{robot, task};
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 
-/// How robots are kept. Version 1 had core's names.
-pub(crate) const FORM: Form =
-    Form { is_within: false, upgrades: &[former::robot], base: include_str!("base/robot.json") };
+/// How robots are kept. Version 1 had core's names, version 2 said not what was said.
+pub(crate) const FORM: Form = Form {
+    is_within: false,
+    upgrades: &[former::robot, former::same],
+    base: include_str!("base/robot.json"),
+};
 
 #[derive(Serialize, Deserialize)]
 struct Content {
     settings: robot::Spec,
     /// What the prior was when it was given, by name or by itself.
     prior: robot::Prior,
+    /// What of the settings was said; null where that is all of them.
+    said: Option<robot::Description>,
     task: Option<task::Spec>,
     stopped: bool,
 }
@@ -23,10 +28,11 @@ struct Content {
 /// The body of a robot.
 pub(crate) fn of_record(record: &Record) -> Result<String, Unfit> {
     let unfit = Unfit { what: "a robot" };
-    let Record { settings, prior, task, stopped, .. } = record;
+    let Record { told: Told { settings, prior, said }, task, stopped, .. } = record;
     let content = Content {
         settings: robot::Spec::from_core(settings, prior.as_deref()),
         prior: settings.prior.into(),
+        said: Some(said.clone()),
         task: task.as_ref().map(task::Spec::from),
         stopped: *stopped,
     };
@@ -43,11 +49,14 @@ pub(crate) fn record(body: &str, revision: u64) -> Result<Record, Unreadable> {
             content["settings"]["prior"] = content["prior"].clone();
         }
         let content: Content = serde_json::from_value(content).map_err(|it| it.to_string())?;
-        let Content { settings, prior, task, stopped } = content;
+        let Content { settings, prior, said, task, stopped } = content;
         let values = prior.convert().map_err(|error| error.to_string())?;
         Ok::<_, String>(Record {
-            settings: settings.convert(values),
-            prior: settings.prior.name().map(str::to_owned),
+            told: Told {
+                settings: settings.convert(values),
+                prior: settings.prior.name().map(str::to_owned),
+                said: said.unwrap_or_else(|| robot::Description::from(&settings)),
+            },
             task: task.map(|task| task.convert()),
             stopped,
             revision,

@@ -53,7 +53,7 @@ fn answering(answer: impl Fn(&step::Request) -> Horizon + Send + Sync + 'static)
         let answer = Arc::clone(&answer);
         Box::new(move |request| {
             let horizon = (&answer(&request)).into();
-            let reply = step::Reply { horizon, stopped: false, stage: Stage::Driving };
+            let reply = step::Reply { horizon, stopped: false, stage: Stage::Driving, drive: None };
             Box::pin(async move { Ok(reply) })
         })
     })

@@ -101,7 +101,7 @@ fn what_could_not_be_read_back_is_rejected() {
     let directory = tempdir().unwrap();
     let store = open(&directory);
     let mut endless = record(1);
-    endless.settings.variance.position = f64::INFINITY;
+    endless.told.settings.variance.position = f64::INFINITY;
     let put = store.commit(vec![Change::PutRobot(id("r"), Box::new(endless))]);
     assert!(matches!(put, Err(StoreError::Rejected(_))), "{put:?}");
     assert_eq!(store.load().unwrap().robots, []);
@@ -231,8 +231,8 @@ fn a_database_of_version_1_opens() {
     let contents = store.load().unwrap();
     let rover = &contents.robots[0];
     assert_eq!(rover.id, id("rover-7"));
-    assert_eq!((rover.record.revision, rover.record.settings.slots), (12, 7));
-    assert_eq!(rover.record.prior.as_deref(), Some("wet-floor"));
+    assert_eq!((rover.record.revision, rover.record.told.settings.slots), (12, 7));
+    assert_eq!(rover.record.told.prior.as_deref(), Some("wet-floor"));
     assert_eq!(rover.record.task.as_ref().map(|task| task.waypoints.len()), Some(2));
     assert!(rover.record.stopped);
     assert_eq!(rover.saved, None, "what it learned was of state version 1: it learns anew");

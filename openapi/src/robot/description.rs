@@ -1,0 +1,355 @@
+//! What was said of a robot, and no more: the rest follows from it.
+
+use super::{DEFAULT_PRIOR, Spec};
+use crate::body;
+use crate::check::{Check, Validate};
+use crate::checked::Checked;
+use crate::problem::Problems;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+/// The fields of a spec that follow from the rest where they are not said; others have a default of their own.
+pub const DERIVED: [&str; 16] = [
+    "drive.max_linear_m_per_s",
+    "drive.min_linear_m_per_s",
+    "drive.max_angular_rad_per_s",
+    "drive.min_angular_rad_per_s",
+    "drive.max_linear_acceleration_m_per_s2",
+    "drive.max_angular_acceleration_rad_per_s2",
+    "drive.max_wheel_speed_rad_per_s",
+    "steering.alpha_m_per_s",
+    "steering.stop_radius_m",
+    "steering.tolerance_m",
+    "steering.turn_tolerance_rad",
+    "steering.turn_beyond_rad",
+    "variance.position_m2",
+    "variance.heading_rad2",
+    "watchdog_s",
+    "horizon_slots",
+];
+
+/// What was said of a robot: the fields of a [`Spec`] that someone gave, in its form. What is left out has its default, or
+/// follows from the rest; which of them do is a table in `docs/method.md`.
+///
+/// ```
+/// use umwelt_api::robot::Description;
+/// let said = Description::read(br#"{"drive": {"wheel_radius_m": 0.033, "max_linear_m_per_s": 0.22}}"#)?;
+/// assert!(said.says("drive.wheel_radius_m") && !said.says("drive.track_width_m"));
+/// # Ok::<(), umwelt_api::Problems>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Description(Map<String, Value>);
+
+/// A change of a [`Description`]: a JSON merge patch (RFC 7396). What it has replaces what was said, null takes it back.
+///
+/// ```
+/// use umwelt_api::robot::{Description, Patch};
+/// let said = Description::read(br#"{"drive": {"lag_s": 0.1, "track_width_m": 0.2}}"#)?;
+/// let patch = Patch::read(br#"{"drive": {"lag_s": null}, "method": "statistic"}"#)?;
+/// let changed = Description::read(&said.patched(&patch))?;
+/// assert!(changed.says("method") && changed.says("drive.track_width_m") && !changed.says("drive.lag_s"));
+/// # Ok::<(), umwelt_api::Problems>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Patch(Map<String, Value>);
+
+/// A spec of which only the ranges are checked: what is left out is not what it will be.
+#[derive(Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Said(pub(crate) Spec);
+
+impl Validate for Said {
+    fn check(&self, check: &mut Check) {
+        self.0.check_ranges(check);
+    }
+}
+
+impl Validate for Description {
+    fn check(&self, check: &mut Check) {
+        self.spec().check_ranges(check);
+    }
+}
+
+impl Validate for Patch {
+    /// What it changes is checked with what it is changed to.
+    fn check(&self, _: &mut Check) {}
+}
+
+impl Description {
+    /// Reads the body of a PUT. Whether its fields agree with each other and a prior goes by the name that it gives is not
+    /// asked: that takes the values of all fields.
+    ///
+    /// # Errors
+    /// Every problem of it: unknown fields, values out of range.
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
+        let read = body::read_said(json, |_: &Said, _, _| ())?;
+        Checked::new(Self(read.said))
+    }
+
+    /// Of these fields.
+    #[cfg(feature = "core")]
+    pub(crate) fn of(said: Map<String, Value>) -> Self {
+        Self(said)
+    }
+
+    /// The same without the fields at these paths.
+    #[cfg(feature = "core")]
+    pub(crate) fn without(self, paths: &[String]) -> Self {
+        let mut patch = Patch::default();
+        paths.iter().filter(|path| self.says(path)).for_each(|path| patch.set(path, Value::Null));
+        let mut said = self.0;
+        merge(&mut said, &patch.0);
+        Self(said)
+    }
+
+    /// The spec that it is part of, everything else by default.
+    pub(crate) fn spec(&self) -> Spec {
+        // It was made of a spec.
+        serde_json::from_value(Value::Object(self.0.clone())).unwrap_or_default()
+    }
+
+    /// Whether the field at `path` was said: `drive.lag_s`.
+    pub fn says(&self, path: &str) -> bool {
+        says(&self.0, path)
+    }
+
+    /// The name of the prior: that of the default one where it has no other and none of its own.
+    pub fn prior(&self) -> Option<&str> {
+        self.0.get("prior").map_or(Some(DEFAULT_PRIOR), Value::as_str)
+    }
+
+    /// The body that says what this one says once `patch` has changed it.
+    pub fn patched(&self, patch: &Patch) -> Vec<u8> {
+        let mut said = self.0.clone();
+        merge(&mut said, &patch.0);
+        // A map of JSON values can be written.
+        serde_json::to_vec(&said).unwrap_or_default()
+    }
+}
+
+impl From<&Spec> for Description {
+    /// Everything is said.
+    fn from(spec: &Spec) -> Self {
+        match serde_json::to_value(spec) {
+            Ok(Value::Object(said)) => Self(said),
+            // A number that JSON cannot say: it is refused where it is checked.
+            _ => Self::default(),
+        }
+    }
+}
+
+impl Patch {
+    /// Reads the body of a PATCH: any object.
+    ///
+    /// # Errors
+    /// Where it is none.
+    pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
+        Checked::new(body::parse(json)?)
+    }
+
+    /// Takes back or replaces the field at `path`: `drive.lag_s`.
+    pub fn set(&mut self, path: &str, value: Value) {
+        let mut fields = &mut self.0;
+        let mut rest = path;
+        while let Some((first, further)) = rest.split_once('.') {
+            let inner = fields.entry(first).or_insert_with(|| Value::Object(Map::new()));
+            if !inner.is_object() {
+                *inner = Value::Object(Map::new());
+            }
+            let Value::Object(inner) = inner else { return };
+            (fields, rest) = (inner, further);
+        }
+        fields.insert(rest.to_owned(), value);
+    }
+
+    /// Whether it changes nothing.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The body of a PUT that says this and no more.
+    pub fn to_description(&self) -> Vec<u8> {
+        Description::default().patched(self)
+    }
+}
+
+fn says(fields: &Map<String, Value>, path: &str) -> bool {
+    match path.split_once('.') {
+        None => fields.contains_key(path),
+        Some((first, rest)) => {
+            matches!(fields.get(first), Some(Value::Object(inner)) if says(inner, rest))
+        }
+    }
+}
+
+/// RFC 7396, section 2.
+fn merge(target: &mut Map<String, Value>, patch: &Map<String, Value>) {
+    for (name, value) in patch {
+        match value {
+            Value::Null => {
+                target.remove(name);
+            }
+            Value::Object(patch) => {
+                let inner = target.entry(name).or_insert_with(|| Value::Object(Map::new()));
+                if !inner.is_object() {
+                    *inner = Value::Object(Map::new());
+                }
+                if let Value::Object(inner) = inner {
+                    merge(inner, patch);
+                }
+            }
+            other => {
+                target.insert(name.clone(), other.clone());
+            }
+        }
+    }
+}
+
+#[cfg(feature = "document")]
+mod schema {
+    //! A description has the schema of a spec; in a patch every field may also be null.
+
+    use super::{Description, Patch, Spec};
+    use std::borrow::Cow;
+    use utoipa::openapi::schema::{Object, OneOfBuilder, Schema, SchemaType, Type};
+    use utoipa::openapi::{ObjectBuilder, RefOr};
+    use utoipa::{PartialSchema, ToSchema};
+
+    type Schemas = Vec<(String, RefOr<Schema>)>;
+
+    impl PartialSchema for Description {
+        fn schema() -> RefOr<Schema> {
+            Spec::schema()
+        }
+    }
+
+    impl ToSchema for Description {
+        fn name() -> Cow<'static, str> {
+            Spec::name()
+        }
+
+        fn schemas(schemas: &mut Schemas) {
+            Spec::schemas(schemas);
+        }
+    }
+
+    impl PartialSchema for Patch {
+        fn schema() -> RefOr<Schema> {
+            let mut known = Vec::new();
+            Spec::schemas(&mut known);
+            let mut patch = Spec::schema();
+            if let RefOr::T(Schema::Object(object)) = &mut patch {
+                object.description =
+                    Some("What to change of what was said; null takes it back.".to_owned());
+                object.properties.values_mut().for_each(|it| nullable(it, &known));
+            }
+            patch
+        }
+    }
+
+    impl ToSchema for Patch {
+        fn name() -> Cow<'static, str> {
+            "RobotPatch".into()
+        }
+
+        fn schemas(schemas: &mut Schemas) {
+            Spec::schemas(schemas);
+        }
+    }
+
+    /// Lets a field be null, and each field within it where it is a struct.
+    fn nullable(schema: &mut RefOr<Schema>, known: &Schemas) {
+        match schema {
+            RefOr::T(Schema::Object(object)) => {
+                object.default = None;
+                let SchemaType::Type(kind) = object.schema_type.clone() else { return };
+                object.schema_type = SchemaType::Array(vec![kind, Type::Null]);
+            }
+            RefOr::Ref(reference) => {
+                let name = reference.ref_location.rsplit('/').next().unwrap_or_default();
+                let found = known.iter().find(|(of, _)| of == name).map(|(_, schema)| schema);
+                *schema = match found {
+                    Some(RefOr::T(Schema::Object(inner))) if !inner.properties.is_empty() => {
+                        let mut inner: Object = inner.clone();
+                        inner.default = None;
+                        inner.properties.values_mut().for_each(|it| nullable(it, known));
+                        inner.schema_type = SchemaType::Array(vec![Type::Object, Type::Null]);
+                        Schema::Object(inner).into()
+                    }
+                    _ => {
+                        let null = ObjectBuilder::new().schema_type(Type::Null);
+                        OneOfBuilder::new().item(reference.clone()).item(null).into()
+                    }
+                };
+            }
+            RefOr::T(_) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn said(body: &Value) -> Value {
+        json!(Description::read(body.to_string().as_bytes()).unwrap().into_inner())
+    }
+
+    #[test]
+    fn what_was_said_is_kept_as_it_was_meant() {
+        assert_eq!(said(&json!({})), json!({}));
+        let body = json!({"horizon_slots": 20.0, "drive": {"lag_s": 0}, "prior": {"turn": {"mu": 0, "k": 1, "r": 4, "s": 1}}});
+        let meant = json!({"horizon_slots": 20, "drive": {"lag_s": 0.0}, "prior": {"turn": {"mu": 0.0, "k": 1.0, "r": 4.0, "s": 1.0}}});
+        assert_eq!(said(&body), meant);
+        let whole = json!(Spec::default());
+        assert_eq!(said(&whole), whole);
+    }
+
+    /// Guards against a robot that cannot be described with a top speed below the default smallest one.
+    #[test]
+    fn only_what_was_said_is_checked() {
+        assert!(Description::read(br#"{"drive": {"max_linear_m_per_s": 0.01}}"#).is_ok());
+        let problems = Description::read(br#"{"drive": {"lag": 1, "lag_s": 9}}"#).unwrap_err();
+        let fields: Vec<_> = problems.details().iter().map(|it| it.field.as_str()).collect();
+        assert_eq!(fields, ["drive.lag", "drive.lag_s"]);
+    }
+
+    /// The examples of RFC 7396, appendix A, as far as both sides are objects.
+    #[test]
+    fn a_patch_is_merged_as_the_standard_has_it() {
+        for (target, patch, result) in [
+            (json!({"a": "b"}), json!({"a": "c"}), json!({"a": "c"})),
+            (json!({"a": "b"}), json!({"b": "c"}), json!({"a": "b", "b": "c"})),
+            (json!({"a": "b"}), json!({"a": null}), json!({})),
+            (json!({"a": "b", "b": "c"}), json!({"a": null}), json!({"b": "c"})),
+            (json!({"a": ["b"]}), json!({"a": "c"}), json!({"a": "c"})),
+            (json!({"a": "c"}), json!({"a": ["b"]}), json!({"a": ["b"]})),
+            (
+                json!({"a": {"b": "c"}}),
+                json!({"a": {"b": "d", "c": null}}),
+                json!({"a": {"b": "d"}}),
+            ),
+            (json!({"a": [{"b": "c"}]}), json!({"a": [1]}), json!({"a": [1]})),
+            (json!({"e": null}), json!({"a": 1}), json!({"e": null, "a": 1})),
+            (json!({}), json!({"a": {"bb": {"ccc": null}}}), json!({"a": {"bb": {}}})),
+        ] {
+            let (Value::Object(target), Value::Object(patch)) = (target, patch) else { panic!() };
+            let merged: Value =
+                serde_json::from_slice(&Description(target).patched(&Patch(patch))).unwrap();
+            assert_eq!(merged, result);
+        }
+    }
+
+    #[test]
+    fn a_patch_is_written_path_by_path() {
+        let mut patch = Patch::default();
+        patch.set("drive.lag_s", json!(0.1));
+        patch.set("drive.dead_time_s", Value::Null);
+        patch.set("method", json!("statistic"));
+        let expected = json!({"drive": {"lag_s": 0.1, "dead_time_s": null}, "method": "statistic"});
+        assert_eq!(json!(patch), expected);
+    }
+}
