@@ -81,3 +81,52 @@ impl Limits {
         over
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umwelt_core::geometry::WheelSpeeds;
+
+    fn tagged(wheel_radius: f64) -> TaggedDrive {
+        TaggedDrive::new(Drive { wheel_radius, ..Drive::default() }.into())
+    }
+
+    /// Guards against: the robot moves by default wheels, and what is missing is taken for slip.
+    #[test]
+    fn the_drive_of_the_server_is_taken_once_and_again_where_it_is_another() {
+        let mut limits = Limits::new(Told::default());
+        assert_eq!((limits.tag(), limits.news()), (0, None));
+        assert!(matches!(limits.describe(&tagged(0.021)), Ok(true)));
+        assert_eq!((limits.drive().wheel_radius, limits.tag()), (0.021, tagged(0.021).tag));
+        assert_eq!(limits.news().map(|drive| drive.wheel_radius), Some(0.021));
+        assert!(matches!(limits.describe(&tagged(0.021)), Ok(false)) && limits.news().is_none());
+        assert!(matches!(limits.describe(&tagged(0.033)), Ok(true)) && limits.news().is_some());
+    }
+
+    #[test]
+    fn what_differs_or_means_nothing_is_not_taken() {
+        let told = Told { wheel_radius: Some(0.03), ..Told::default() };
+        let mut limits = Limits::new(told);
+        let Err(Refused::Differs(differences)) = limits.describe(&tagged(0.021)) else {
+            panic!("both were told wheels")
+        };
+        assert_eq!((differences[0].here, differences[0].there), (0.03, 0.021));
+        assert!(matches!(limits.describe(&tagged(-1.0)), Err(Refused::Unbelievable(_))));
+        assert!(limits.news().is_none() && limits.drive().wheel_radius == 0.03);
+        assert!(matches!(limits.describe(&tagged(0.03)), Ok(true)));
+    }
+
+    #[test]
+    fn what_is_too_fast_for_the_wheels_is_slowed_down() {
+        let mut limits = Limits::new(Told::default());
+        let mut horizon = Horizon {
+            speeds: std::iter::once(WheelSpeeds { left: 4.0, right: 4.0 }).collect(),
+            ..Horizon::EMPTY
+        };
+        assert!(!limits.hold(&mut horizon), "0.12 m/s");
+        limits.describe(&tagged(0.06)).unwrap();
+        assert!(limits.hold(&mut horizon), "0.24 m/s");
+        let twist = kinematics::forward(limits.drive(), horizon.speeds[0]);
+        assert!((twist.linear - 0.13).abs() < 1e-12);
+    }
+}

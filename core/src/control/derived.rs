@@ -6,7 +6,7 @@
 
 use crate::horizon::{MAX_SLOTS, MAX_WATCHDOG, WATCHDOG};
 use crate::kinematics::Drive;
-use crate::settings::{LOOP_DELAY, Settings, SteeringSettings, VarianceLimits};
+use crate::settings::{FollowsLink, LOOP_DELAY, Settings, SteeringSettings, VarianceLimits};
 use crate::task::TOLERANCE;
 
 /// Speed in m/s up to which a robot accelerates as that of the thesis; faster ones reach their own in the same time.
@@ -61,6 +61,8 @@ pub enum Quantity {
     PositionVariance,
     /// `VarianceLimits::heading`: 0.10 rad^2 (thesis table 1).
     HeadingVariance,
+    /// `Settings::loop_delay`: 0.23 s until the link is known, then the median of the recent ones.
+    LoopDelay,
     /// `Settings::watchdog`: 0.3 s, longer with the loop delay.
     Watchdog,
     /// `Settings::slots`: 40, or three loop delays where that is more.
@@ -69,7 +71,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Each of them, those on which others depend first.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::MaxLinear,
         Self::MinLinear,
         Self::MaxAngular,
@@ -84,6 +86,7 @@ impl Quantity {
         Self::TurnBeyond,
         Self::PositionVariance,
         Self::HeadingVariance,
+        Self::LoopDelay,
         Self::Watchdog,
         Self::Slots,
     ];
@@ -96,21 +99,42 @@ impl Quantity {
 /// use umwelt_core::kinematics::Drive;
 /// use umwelt_core::settings::Settings;
 /// // Of the robot of the thesis only wheels, track and top speed are known: its constants come out.
-/// let known = Settings { slots: 1, ..Settings::default() };
-/// let thesis = complete(known, |quantity| matches!(quantity, Quantity::MaxLinear | Quantity::Slots));
-/// assert_eq!(thesis, known);
+/// let thesis = complete(Settings::default(), |quantity| quantity == Quantity::MaxLinear);
+/// assert_eq!((thesis.drive, thesis.steering), (Settings::default().drive, Settings::default().steering));
 /// // A warehouse robot of 2 m/s.
 /// let drive = Drive { wheel_radius: 0.1, track_width: 1.3, max_linear: 2.0, ..Drive::default() };
 /// let large = complete(Settings { drive, ..Settings::default() }, |quantity| quantity == Quantity::MaxLinear);
 /// assert!(large.steering.alpha > 3.0 && large.drive.min_linear < 0.08);
 /// ```
 pub fn complete(mut settings: Settings, is_said: impl Fn(Quantity) -> bool) -> Settings {
+    let is_followed = |quantity| !is_said(quantity);
+    settings.follows_link = FollowsLink {
+        loop_delay: is_followed(Quantity::LoopDelay),
+        slots: is_followed(Quantity::Slots),
+        watchdog: is_followed(Quantity::Watchdog),
+    };
     for quantity in Quantity::ALL {
         if !is_said(quantity) {
             derive(&mut settings, quantity, &is_said);
         }
     }
     settings
+}
+
+/// The settings of a robot whose link has this `loop_delay` in s, as far as they follow it.
+pub fn over_link(settings: &Settings, loop_delay: f64) -> Settings {
+    let FollowsLink { loop_delay: follows, slots, watchdog } = settings.follows_link;
+    let mut followed = *settings;
+    if follows {
+        followed.loop_delay = loop_delay;
+        if watchdog {
+            derive(&mut followed, Quantity::Watchdog, &|_| false);
+        }
+        if slots {
+            derive(&mut followed, Quantity::Slots, &|_| false);
+        }
+    }
+    followed
 }
 
 fn derive(settings: &mut Settings, quantity: Quantity, is_said: &impl Fn(Quantity) -> bool) {
@@ -167,6 +191,7 @@ fn derive(settings: &mut Settings, quantity: Quantity, is_said: &impl Fn(Quantit
             variance.position = VarianceLimits::default().position * (speed * speed);
         }
         Quantity::HeadingVariance => variance.heading = VarianceLimits::default().heading,
+        Quantity::LoopDelay => settings.loop_delay = LOOP_DELAY,
         Quantity::Watchdog => {
             let slow = (*loop_delay / LOOP_DELAY).max(1.0);
             settings.watchdog = (WATCHDOG * slow).min(MAX_WATCHDOG);
@@ -198,7 +223,8 @@ mod tests {
     #[test]
     fn the_constants_of_the_thesis_come_out_for_its_robot() {
         let derived = complete(Settings::default(), |_| false);
-        assert_eq!(derived, Settings { slots: SLOTS, ..Settings::default() });
+        let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
+        assert_eq!(derived, Settings { slots: SLOTS, follows_link, ..Settings::default() });
         let camera =
             complete(Settings { noise: PoseNoise::CAMERA, ..Settings::default() }, |_| false);
         assert_eq!(camera.steering, SteeringSettings::default());
@@ -231,7 +257,7 @@ mod tests {
             ..Settings::default()
         };
         assert_eq!(complete(odd, |_| true), odd);
-        for said in Quantity::ALL {
+        for said in Quantity::ALL.into_iter().filter(|&it| it != Quantity::LoopDelay) {
             let only = complete(odd, |quantity| quantity == said);
             let all_but = complete(odd, |quantity| quantity != said);
             let differs = complete(only, |quantity| quantity != said) != only;
@@ -260,7 +286,13 @@ mod tests {
     #[test]
     fn a_slow_link_gets_longer_horizons() {
         let with = |loop_delay| {
-            let settings = complete(Settings { loop_delay, ..Settings::default() }, |_| false);
+            let said = Settings { loop_delay, ..Settings::default() };
+            let settings = complete(said, |quantity| quantity == Quantity::LoopDelay);
+            let identified = over_link(&complete(Settings::default(), |_| false), loop_delay);
+            assert_eq!(
+                (identified.slots, identified.watchdog),
+                (settings.slots, settings.watchdog)
+            );
             (settings.slots, settings.watchdog)
         };
         assert_eq!(with(0.1), (SLOTS, WATCHDOG));
@@ -279,7 +311,8 @@ mod tests {
             let drive = Drive { wheel_radius: radius, track_width: track, max_linear: linear, max_wheel_speed: wheel, ..Drive::default() };
             let known = Settings { drive, noise: PoseNoise { position, heading }, loop_delay, ..Settings::default() };
             let said = if says_wheel { Quantity::MaxWheelSpeed } else { Quantity::MaxLinear };
-            let Settings { drive, steering, slots, .. } = complete(known, |quantity| quantity == said);
+            let is_said = |quantity| quantity == said || quantity == Quantity::LoopDelay;
+            let Settings { drive, steering, slots, .. } = complete(known, is_said);
             prop_assert!(drive.min_linear <= drive.max_linear && drive.min_angular <= drive.max_angular);
             prop_assert!(steering.turn_beyond > steering.turn_tolerance && steering.tolerance >= steering.stop_radius);
             prop_assert!((1..=MAX_SLOTS).contains(&slots));

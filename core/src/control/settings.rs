@@ -119,6 +119,18 @@ impl Default for SteeringSettings {
     }
 }
 
+/// Which of the settings follow the link as it is identified: those that were not said. None for the thesis, which knows
+/// its link.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FollowsLink {
+    /// The loop delay: the median of the recent ones.
+    pub loop_delay: bool,
+    /// The number of slots, as it follows from the loop delay.
+    pub slots: bool,
+    /// The watchdog, as it follows from the loop delay.
+    pub watchdog: bool,
+}
+
 /// The settings of a robot's controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -138,8 +150,12 @@ pub struct Settings {
     pub slots: usize,
     /// Length of a slot in s.
     pub slot: f64,
-    /// Nominal time in s from a pose being taken to its reply being applied.
+    /// Nominal time in s from a pose being taken to its reply being applied; where the link is followed, until it is known.
     pub loop_delay: f64,
+    /// What follows the link as it is identified.
+    pub follows_link: FollowsLink,
+    /// Time in s from a pose being taken to the stamp that it comes with: of a camera that stamps late, or not at all.
+    pub sensor_delay: f64,
     /// Time in s for which the robot holds the last entry of a horizon; 0 for ever.
     pub watchdog: f64,
     /// How poses are predicted.
@@ -165,6 +181,8 @@ impl Default for Settings {
             slots: 20,
             slot: SLOT,
             loop_delay: LOOP_DELAY,
+            follows_link: FollowsLink::default(),
+            sensor_delay: 0.0,
             watchdog: WATCHDOG,
             predictor: PredictorKind::Moments,
             variance: VarianceLimits::default(),

@@ -1,12 +1,14 @@
 //! The robot's side of the exchange: which request to send when, over which connection, and what to report.
 //!
-//! One request per slot without waiting for the last reply, at most four in flight on a connection, a fresh
-//! connection when one stalls. Used by the agent and by the simulation; it holds no clock and no socket.
+//! One request per slot without waiting for the last reply, at most four in flight on a connection (more where the link is
+//! slow), a fresh connection when one stalls. Used by the agent and by the simulation; it holds no clock and no socket.
 
 use crate::actuation::Playing;
 use crate::geometry::Pose;
 use crate::horizon::SLOT;
 use crate::local::LocalLimits;
+use crate::robot::trip::Trip;
+pub use crate::robot::trip::{IN_FLIGHT, MAX_IN_FLIGHT, STALL};
 use crate::time::RobotTime;
 use arrayvec::ArrayVec;
 
@@ -16,14 +18,8 @@ pub const MAX_OBSERVATIONS: usize = 32;
 /// Most reported deliveries of one request; more than arrive in one slot after a stall.
 pub const MAX_DELIVERIES: usize = 16;
 
-/// Most requests in flight on one connection: they cover the nominal loop of 100 ms at one per slot.
-pub const MAX_IN_FLIGHT: usize = 4;
-
 /// Most connections that may carry requests at a time.
 pub const MAX_CONNECTIONS: usize = 3;
-
-/// A connection whose oldest request waits longer than this many s has stalled.
-pub const STALL: f64 = 0.25;
 
 /// Times that differ by less than this many s are the same.
 const SAME_TIME: f64 = 1e-9;
@@ -122,6 +118,7 @@ pub struct Exchange {
     /// Whether there was a hold since the last request.
     was_held: bool,
     in_flight: ArrayVec<InFlight, { MAX_IN_FLIGHT * MAX_CONNECTIONS }>,
+    trip: Trip,
 }
 
 impl Exchange {
@@ -139,6 +136,7 @@ impl Exchange {
             limits: LocalLimits::NONE,
             was_held: false,
             in_flight: ArrayVec::new(),
+            trip: Trip::new(),
         }
     }
 
@@ -168,7 +166,8 @@ impl Exchange {
         if self.has_room() {
             return due;
         }
-        due.later(self.oldest(self.connection) + STALL).later(self.connected + self.backoff)
+        due.later(self.oldest(self.connection) + self.trip.stall())
+            .later(self.connected + self.backoff)
     }
 
     /// When the next request is due, were nothing in flight.
@@ -181,8 +180,8 @@ impl Exchange {
     /// Whether the connection may carry one more request.
     fn has_room(&self) -> bool {
         let on_it = |request: &&InFlight| request.connection == self.connection;
-        self.in_flight.len() < MAX_IN_FLIGHT
-            || self.in_flight.iter().filter(on_it).count() < MAX_IN_FLIGHT
+        let most = self.trip.most_in_flight();
+        self.in_flight.len() < most || self.in_flight.iter().filter(on_it).count() < most
     }
 
     fn oldest(&self, connection: u64) -> RobotTime {
@@ -213,8 +212,8 @@ impl Exchange {
     }
 
     fn write(&mut self, now: RobotTime, playing: Option<Playing>, request: &mut Request) {
-        let stalled =
-            now - self.oldest(self.connection) >= STALL && now - self.connected >= self.backoff;
+        let stalled = now - self.oldest(self.connection) >= self.trip.stall()
+            && now - self.connected >= self.backoff;
         if stalled || !self.has_room() {
             self.connection += 1;
             self.connected = now;
@@ -242,6 +241,7 @@ impl Exchange {
     pub fn reply(&mut self, now: RobotTime, sequence: u64) -> Option<f64> {
         let at = self.in_flight.iter().position(|request| request.sequence == sequence)?;
         let request = self.in_flight.remove(at);
+        self.trip.follow(now, request.sent);
         if request.connection == self.connection {
             self.backoff = STALL;
         }

@@ -7,3 +7,4 @@ pub mod horizon;
 pub mod kinematics;
 pub mod local;
 pub mod time;
+mod trip;

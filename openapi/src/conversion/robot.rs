@@ -156,6 +156,7 @@ impl From<&Settings> for Spec {
             drift: core.drift,
             horizon_slots: core.slots,
             loop_delay_s: core.loop_delay,
+            sensor_delay_s: core.sensor_delay,
             watchdog_s: core.watchdog,
             predictor: core.predictor.into(),
             variance: core.variance.into(),
@@ -200,6 +201,17 @@ impl Description {
         Ok((Self::of(read.said), read.resolved))
     }
 
+    /// These settings, all of them known already, with what follows the link because it was not said.
+    pub fn follow_link(&self, settings: Settings) -> Settings {
+        let is_followed = |quantity| !self.says(path(quantity));
+        let follows_link = settings::FollowsLink {
+            loop_delay: is_followed(Quantity::LoopDelay),
+            slots: is_followed(Quantity::Slots),
+            watchdog: is_followed(Quantity::Watchdog),
+        };
+        Settings { follows_link, ..settings }
+    }
+
     /// These settings with what follows from the rest and was not said.
     fn complete(&self, settings: Settings) -> Settings {
         derived::complete(settings, |quantity| self.says(path(quantity)))
@@ -223,6 +235,7 @@ pub(super) fn path(quantity: Quantity) -> &'static str {
         Quantity::TurnBeyond => "steering.turn_beyond_rad",
         Quantity::PositionVariance => "variance.position_m2",
         Quantity::HeadingVariance => "variance.heading_rad2",
+        Quantity::LoopDelay => "loop_delay_s",
         Quantity::Watchdog => "watchdog_s",
         Quantity::Slots => "horizon_slots",
     }
@@ -255,6 +268,8 @@ impl Spec {
             slots: self.horizon_slots,
             slot: SLOT,
             loop_delay: self.loop_delay_s,
+            follows_link: settings::FollowsLink::default(),
+            sensor_delay: self.sensor_delay_s,
             watchdog: self.watchdog_s,
             predictor: self.predictor.convert(),
             variance: settings::VarianceLimits {

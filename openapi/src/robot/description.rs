@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// The fields of a spec that follow from the rest where they are not said; others have a default of their own.
-pub const DERIVED: [&str; 16] = [
+pub const DERIVED: [&str; 17] = [
     "drive.max_linear_m_per_s",
     "drive.min_linear_m_per_s",
     "drive.max_angular_rad_per_s",
@@ -24,6 +24,7 @@ pub const DERIVED: [&str; 16] = [
     "steering.turn_beyond_rad",
     "variance.position_m2",
     "variance.heading_rad2",
+    "loop_delay_s",
     "watchdog_s",
     "horizon_slots",
 ];

@@ -17,8 +17,8 @@ pub use drive::{
 };
 pub use prior::{ChannelPrior, DEFAULT_PRIOR, MU, Prior, PriorChoice, SUM_OF_SQUARES, WEIGHT};
 pub use spec::{
-    ALPHA, HEADING_VARIANCE, LOOP_DELAY, MAX_SLOTS, MIN_WATCHDOG, POSITION_VARIANCE, STOP_RADIUS,
-    Spec, Steering, TURN, VarianceLimits, WATCHDOG,
+    ALPHA, HEADING_VARIANCE, LOOP_DELAY, MAX_SLOTS, MIN_WATCHDOG, POSITION_VARIANCE, SENSOR_DELAY,
+    STOP_RADIUS, Spec, Steering, TURN, VarianceLimits, WATCHDOG,
 };
 
 use crate::id::RobotId;

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub const MAX_SLOTS: usize = 67;
 /// As long as the longest horizon; a robot farther away than that cannot be controlled.
 pub const LOOP_DELAY: Range = Range::new(0.0, 2.0, "s");
+/// A pose that is a second old when it is stamped steers no one.
+pub const SENSOR_DELAY: Range = Range::new(0.0, 1.0, "s");
 /// Longest watchdog that may be described. No robot holds for longer than 1 s
 /// (`umwelt_core::horizon::MAX_WATCHDOG`); more was allowed once, and means as much.
 pub const WATCHDOG: Range = Range::new(0.0, 5.0, "s");
@@ -123,8 +125,11 @@ pub struct Spec {
     pub drift: bool,
     /// Slots of 30 ms per horizon; 1 is the thesis.
     pub horizon_slots: usize,
-    /// Nominal time from a pose being taken to its reply being applied.
+    /// Time from a pose being taken to its reply being applied: where it is said, that; otherwise it is identified, and this
+    /// is what counts until the first delivery.
     pub loop_delay_s: f64,
+    /// Time from a pose being taken to the stamp that it comes with, where the tracker stamps late or not at all.
+    pub sensor_delay_s: f64,
     /// How long the robot holds the last entry of a horizon before it ramps to rest: 0.05 or more,
     /// or 0 to hold for ever (refused by hardware drives). More than 1 s counts as 1 s.
     pub watchdog_s: f64,
@@ -148,6 +153,7 @@ impl Default for Spec {
             drift: false,
             horizon_slots: 40,
             loop_delay_s: 0.23,
+            sensor_delay_s: 0.0,
             watchdog_s: 0.3,
             predictor: Predictor::Moments,
             variance: VarianceLimits::default(),
@@ -171,6 +177,7 @@ impl Spec {
         check.field("noise", |check| self.noise.check(check));
         check.integer("horizon_slots", self.horizon_slots as u64, 1..=MAX_SLOTS as u64);
         check.number("loop_delay_s", self.loop_delay_s, LOOP_DELAY);
+        check.number("sensor_delay_s", self.sensor_delay_s, SENSOR_DELAY);
         check.number("watchdog_s", self.watchdog_s, WATCHDOG);
         check.agrees(
             "watchdog_s",

@@ -106,13 +106,14 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
         });
     let prior = prior();
     let choices = (select(settings::Method::ALL.to_vec()), attribution, any::<bool>());
-    let times = (1..=MAX_SLOTS, within(robot::LOOP_DELAY), watchdog);
+    let delays = (within(robot::LOOP_DELAY), within(robot::SENSOR_DELAY));
+    let times = (1..=MAX_SLOTS, delays, watchdog);
     (drive(), noise, choices, times, predictor, variance, steering, prior).prop_map(
         |(
             drive,
             noise,
             (method, attribution, drift),
-            (slots, loop_delay, watchdog),
+            (slots, (loop_delay, sensor_delay), watchdog),
             predictor,
             variance,
             steering,
@@ -127,6 +128,8 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
             slots,
             slot: SLOT,
             loop_delay,
+            follows_link: settings::FollowsLink::default(),
+            sensor_delay,
             watchdog,
             predictor,
             variance,

@@ -10,6 +10,7 @@ mod budgets;
 mod comparisons;
 mod conditions;
 mod data;
+mod descriptions;
 mod environments;
 mod events;
 mod evolutions;

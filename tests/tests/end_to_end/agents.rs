@@ -10,6 +10,7 @@ use umwelt_api::robot::State;
 use umwelt_core::kinematics::Drive;
 use umwelt_tests::process::SOON;
 use umwelt_tests::rover::{self, Agent, Simulated, request};
+use umwelt_tests::said::{call, umwelt};
 use umwelt_tests::server::Server;
 use umwelt_tests::trace;
 use umwelt_tests::wait;
@@ -30,6 +31,36 @@ async fn an_agent_that_is_taken_over_stops_its_robot_and_ends() {
     assert_eq!(trace::twist(&Drive::default(), last).linear, 0.0, "{last:?}");
     second.until("the second one drives", SOON, rover::drives).await;
     second.end().await;
+}
+
+/// Guards against: an agent that was told other wheels than the server, drives all the same, and the floor is blamed.
+#[tokio::test]
+async fn an_agent_has_its_drive_from_the_server_and_does_not_drive_by_another() {
+    let server = Server::start();
+    umwelt(&server, "robot add rover-7 --wheel-radius 0.021 --max-speed 0.1").await;
+    umwelt(&server, "task set rover-7 --waypoint 2,0").await;
+    let agent = |flags: &str| {
+        format!("--server {} --robot rover-7 --drive sim --duration 3 {flags}", server.url())
+    };
+    let other = agent("--wheel-radius 0.03 --max-speed 0.1");
+    let said = call("umwelt-agent", &other.split(' ').collect::<Vec<_>>()).await;
+    assert_eq!(said.code, Some(1));
+    for part in [
+        "--wheel-radius 0.03 m here and 0.021 m on the server",
+        "umwelt robot set rover-7 --wheel-radius 0.03",
+    ] {
+        assert!(said.log.contains(part), "{}", said.log);
+    }
+    let pose = server.client.get_robot(&rover::id("rover-7")).await.unwrap().pose;
+    assert!(pose.is_none_or(|pose| pose.x_m.abs() < 0.01), "it did not move: {pose:?}");
+    let own = agent("").trim().to_owned();
+    let said = call("umwelt-agent", &own.split(' ').collect::<Vec<_>>()).await;
+    assert_eq!(said.code, Some(0), "{}", said.log);
+    assert!(said.log.contains("wheel_radius_m=0.021"), "{}", said.log);
+    // It moved by the wheels that were described: what was commanded was seen.
+    let environment = server.client.environment(&rover::id("rover-7")).await.unwrap();
+    let forward = environment.channels.forward;
+    assert!(forward.mean.is_none_or(|mean| mean.abs() < 0.1), "{forward:?}");
 }
 
 /// Guards against: a stop that is forgotten with the next pose, or a resume that jumps to full speed.

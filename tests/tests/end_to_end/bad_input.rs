@@ -310,7 +310,7 @@ async fn ids_and_paths_that_are_none_are_refused() {
         ("POST", "/v1/robots//step", &[], 400),
         ("GET", "/v1/robots/nobody", &[], 404),
         ("POST", "/v1/robots/nobody/step", &[], 404),
-        ("PATCH", "/v1/robots/rover-7", &[], 405),
+        ("POST", "/v1/robots/rover-7", &[], 405),
         ("GET", "/v1/robots?page_size=0", &[], 400),
         ("GET", "/v1/robots?page_size=many&state=gone&colour=red", &[], 400),
         ("GET", "/v1/robots", &[("grpc-timeout", "soon")], 400),

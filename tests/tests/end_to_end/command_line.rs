@@ -28,6 +28,25 @@ async fn a_robot_is_described_sent_watched_and_removed_from_the_command_line() {
     assert_eq!(umwelt(&server, "robot list").await["robots"], Value::Array(Vec::new()));
 }
 
+/// Guards against: a robot's wheels and limits are wiped by whoever wants to change one thing of it.
+#[tokio::test]
+async fn a_robot_is_changed_in_parts_and_described_anew_only_where_that_is_meant() {
+    let server = Server::start();
+    umwelt(&server, "robot add Rover_7.b --wheel-radius 0.021 --max-speed 0.1").await;
+    let set = umwelt(&server, "robot set Rover_7.b --prior flat --unset drive.max_linear_m_per_s");
+    let drive = serde_json::json!({"wheel_radius_m": 0.021});
+    assert_eq!(set.await["described"], serde_json::json!({"drive": drive, "prior": "flat"}));
+    let url = server.url();
+    let again = ["--server", &url, "robot", "add", "Rover_7.b", "--prior", "flat"];
+    let again = call("umwelt", &again).await;
+    assert_eq!(again.code, Some(1));
+    assert!(again.log.contains("umwelt robot set Rover_7.b"), "{}", again.log);
+    let kept = umwelt(&server, "robot show Rover_7.b").await;
+    assert_eq!(kept["described"]["drive"], drive);
+    let anew = umwelt(&server, "robot add Rover_7.b --prior flat --replace").await;
+    assert_eq!(anew["described"], serde_json::json!({"prior": "flat"}));
+}
+
 /// Guards against: a script goes on after a call that failed, or cannot tell its own mistake from the world's.
 #[tokio::test]
 async fn what_fails_returns_1_what_was_wrong_returns_2_and_both_say_why() {

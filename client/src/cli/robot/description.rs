@@ -27,9 +27,12 @@ pub(super) struct Flags {
     /// Slots of 30 ms per reply; 1 is the thesis [default: derived: 40, or three loop delays]
     #[arg(long, value_name = "N")]
     slots: Option<usize>,
-    /// Nominal time from a pose being taken to its reply being applied [default: 0.23]
+    /// Time from a pose being taken to its reply being applied [default: identified; 0.23 before the first delivery]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     loop_delay: Option<f64>,
+    /// Time from a pose being taken to its stamp, where the tracker stamps late or not at all [default: 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sensor_delay: Option<f64>,
     /// How long the robot goes on without replies before it ramps to rest; 0 is for ever, for simulations [default:
     /// derived: 0.3, more where the loop delay is more than 0.23]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -119,6 +122,7 @@ impl Flags {
         say("drift", self.drift.then_some(json!(true)));
         say("horizon_slots", of(self.slots));
         say("loop_delay_s", of(self.loop_delay));
+        say("sensor_delay_s", of(self.sensor_delay));
         say("watchdog_s", of(self.watchdog));
         say("noise.position_m", of(self.position_noise));
         say("noise.heading_rad", of(self.heading_noise));

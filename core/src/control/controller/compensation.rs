@@ -16,7 +16,7 @@ use crate::task::Limit;
 use crate::time::RobotTime;
 
 /// Longest time in s that a pose is predicted ahead; beyond it the robot rests until a fresh pose comes.
-const MAX_AHEAD: f64 = 2.0;
+pub(super) const MAX_AHEAD: f64 = 2.0;
 
 /// Where the robot is, and where it will be when its next command acts. The defaults are the thesis's method: poses are
 /// taken as observed, and predicted by the errors that were identified.

@@ -16,6 +16,7 @@ mod saved;
 mod watching;
 
 use crate::commands::Commands;
+use crate::derived;
 use crate::exchange::{Observation, Request};
 use crate::geometry::{Point, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
@@ -26,7 +27,8 @@ use crate::task::{Limit, Progress, Stage, Task};
 use crate::time::RobotTime;
 use crate::watch::Watch;
 use compensation::{
-    Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
+    Compensation, DelayModel, Identified, MAX_AHEAD, NominalDelay, PathFollower, PoseEstimator,
+    QuadraticCurve,
 };
 pub use event::{Event, Events};
 use heard::{Change, Heard};
@@ -34,9 +36,13 @@ pub use news::GROWTH;
 use plan::{Phase, Phases};
 use record::Record;
 pub use saved::Saved;
+use std::borrow::Cow;
 
 /// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
+
+/// Step in s in which an identified loop delay is followed.
+const DELAY_STEP: f64 = 0.01;
 
 /// Consistent poses in a row that are accepted again after one was set aside: a robot that was carried away.
 pub const ACCEPTED_AGAIN: u32 = 5;
@@ -59,6 +65,8 @@ struct Track {
     window: Window,
     /// Smoothed time in s between poses.
     interval: f64,
+    /// The pose from which the robot was not seen to move since.
+    still: Observation,
 }
 
 /// Poses that are set aside for now: the last one and how many in a row agree.
@@ -72,6 +80,8 @@ struct RejectedPoses {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     settings: Settings,
+    /// The settings as they are over the link as it is identified.
+    acting: Settings,
     compensation: Compensation<E, D, F>,
     /// Whether the [watch](crate::watch) looks after the robot.
     is_watched: bool,
@@ -113,6 +123,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             is_watched: false,
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
+            acting: settings,
             commands: Commands::default(),
             track: None,
             rejected: None,
@@ -148,6 +159,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         events: &mut Events,
         observer: &mut impl SampleObserver,
     ) -> &Horizon {
+        let request = &*self.dated(request);
         self.learn(request);
         self.apply_local_limits(request);
         for observation in &request.observations {
@@ -160,10 +172,10 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// A request that was overtaken by a newer one: it teaches the link model and changes nothing else.
     /// Returns the newest horizon.
     pub fn late(&mut self, request: &Request) -> Option<Horizon> {
-        for delivery in &request.deliveries {
-            self.belief.link.update(delivery);
-            self.compensation.delay.on_delivery(delivery);
-        }
+        let request = &*self.dated(request);
+        // Its own reply comes late, too, and holds back those behind it: when its pose was taken is to be known.
+        self.belief.link.request(request.sequence, request.observations.last());
+        self.learn_deliveries(request);
         self.newest().cloned()
     }
 
@@ -174,13 +186,42 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     fn learn(&mut self, request: &Request) {
         self.belief.link.request(request.sequence, request.observations.last());
+        self.learn_deliveries(request);
+        if let Some(playing) = request.playing {
+            self.commands.report(playing, request.sent);
+        }
+    }
+
+    /// The request with its poses at the time at which they were taken, where they are stamped later.
+    fn dated<'a>(&self, request: &'a Request) -> Cow<'a, Request> {
+        let sensor_delay = self.settings.sensor_delay;
+        if sensor_delay == 0.0 {
+            return Cow::Borrowed(request);
+        }
+        let mut dated = request.clone();
+        dated.observations.iter_mut().for_each(|it| it.taken -= sensor_delay);
+        dated.deliveries.iter_mut().for_each(|it| it.loop_delay += sensor_delay);
+        Cow::Owned(dated)
+    }
+
+    fn learn_deliveries(&mut self, request: &Request) {
         for delivery in &request.deliveries {
             self.belief.link.update(delivery);
             self.compensation.delay.on_delivery(delivery);
         }
-        if let Some(playing) = request.playing {
-            self.commands.report(playing, request.sent);
+        if !request.deliveries.is_empty() {
+            self.follow_link();
         }
+    }
+
+    /// Plans for the link as it is identified, as far as it is not described.
+    fn follow_link(&mut self) {
+        let median = self.belief.link.median().filter(|_| self.settings.follows_link.loop_delay);
+        self.acting = median.map_or(self.settings, |median| {
+            // What differs by less matters to no one, and plans that begin at other times are other plans.
+            let loop_delay = (median / DELAY_STEP).ceil() * DELAY_STEP;
+            derived::over_link(&self.settings, loop_delay.min(MAX_AHEAD))
+        });
     }
 
     /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn
@@ -254,7 +295,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
 impl Track {
     fn new(observation: Observation, wheels: WheelSpeeds) -> Self {
-        Self { last: observation, wheels, window: Window::new(observation), interval: SLOT }
+        let window = Window::new(observation);
+        Self { last: observation, wheels, window, interval: SLOT, still: observation }
     }
 }
 

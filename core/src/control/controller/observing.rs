@@ -14,6 +14,18 @@ use crate::time::RobotTime;
 /// A gap between poses in s, beyond which a window of motion begins anew.
 const MAX_GAP: f64 = 0.5;
 
+/// Slots of zero after which a robot rests that is seen to move still: 1 s.
+const SURE_REST_SLOTS: u32 = 33;
+
+/// Standard deviations of a pose by which the poses of a robot at rest may differ: three of their difference.
+const STILL: f64 = 4.5;
+
+/// Turn in rad of a robot at rest beside the noise of its heading.
+const STILL_TURN: f64 = 0.02;
+
+/// Times that differ by less than this many s are the same.
+const SAME_TIME: f64 = 1e-6;
+
 /// Margin of an acceptable pose in m and rad, for what the known noise does not cover.
 const MARGIN: (f64, f64) = (0.005, 0.1);
 
@@ -60,8 +72,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
             let Observation { pose, taken } = observation;
             let pose = self.compensation.estimator.filter_pose(taken, pose, predicted, moved);
-            self.track =
-                Some(Track { last: Observation { pose, taken }, wheels, window, interval });
+            let last = Observation { pose, taken };
+            let still = if self.has_moved(track.still.pose, pose) { last } else { track.still };
+            self.track = Some(Track { last, wheels, window, interval, still });
             self.watch_step(track.last, observation, predicted, moved, events);
         }
         self.rejected = None;
@@ -169,12 +182,28 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
     }
 
-    /// Whether zero was played for three slots before `time`, by the robot's reports where there are any.
+    /// Whether the robot was at rest at `time`: zero was played for three slots before, by its reports where there are any,
+    /// and it was not seen to move meanwhile. A tracker whose noise no one knows may show motion for ever: after a second
+    /// at zero it rests.
     fn was_at_rest(&self, time: RobotTime) -> bool {
+        let slot = self.settings.slot;
+        let is_still = self.track.is_none_or(|track| {
+            time - track.still.taken >= f64::from(REST_SLOTS) * slot - SAME_TIME
+        });
+        let slots = if is_still || !self.is_watched { REST_SLOTS } else { SURE_REST_SLOTS };
         let drive = &self.settings.drive;
-        (0..REST_SLOTS).all(|slot| {
-            let then = time - drive.dead_time - f64::from(slot) * self.settings.slot;
+        (0..slots).all(|slots| {
+            let then = time - drive.dead_time - f64::from(slots) * slot;
             self.commands.at(Attribution::Played, drive, then) == WheelSpeeds::ZERO
         })
+    }
+
+    /// Whether two poses differ by more than noise.
+    fn has_moved(&self, from: Pose, to: Pose) -> bool {
+        let noise = self.watch.noise(self.settings.noise);
+        let (apart, turned) =
+            (from.point().distance(to.point()), from.heading.minus(to.heading).abs());
+        let (far, round) = (self.settings.steering.stop_radius / 2.0, STILL_TURN);
+        apart > far + STILL * noise.position || turned > round + STILL * noise.heading
     }
 }

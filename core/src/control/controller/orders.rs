@@ -74,6 +74,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Back to the prior.
     pub fn reset_belief(&mut self) {
         self.belief.reset();
+        self.follow_link();
         self.watch.unlearn();
         self.healthy = None;
     }
@@ -91,6 +92,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.healthy = None;
         }
         self.settings = settings;
+        self.follow_link();
         self.limit = None;
         self.phases.clear();
     }

@@ -25,10 +25,10 @@ const SAME_SLOT: f64 = 1e-6;
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Plans the horizon that answers `request`.
     pub(super) fn command(&mut self, request: &Request) -> &Horizon {
-        let Settings { drive, slot, watchdog, attribution, .. } = self.settings;
+        let Settings { drive, slot, watchdog, attribution, .. } = self.acting;
         // The robot holds no longer, whatever it was described with: what was driven is to be known.
         let watchdog = least(watchdog, MAX_WATCHDOG);
-        let loop_delay = self.compensation.delay.loop_delay(&self.settings);
+        let loop_delay = self.compensation.delay.loop_delay(&self.acting);
         let newest = self.commands.newest().map_or(RobotTime::BEFORE_ALL, |newest| newest.start);
         let soonest = (request.sent + slot).later(newest);
         let Some(track) = self.track else {
@@ -54,14 +54,14 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             stopped: self.stopped
                 || self.watch.rests()
                 || self.heard.is_held()
-                || begins - taken > self.compensation.delay.max_pose_age(&self.settings),
+                || begins - taken > self.compensation.delay.max_pose_age(&self.acting),
             rest: f64::from(REST_SLOTS) * slot + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
         let task = self.task.as_ref();
-        let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.settings });
-        let settings = slowed.as_ref().unwrap_or(&self.settings);
+        let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.acting });
+        let settings = slowed.as_ref().unwrap_or(&self.acting);
         let follower = &self.compensation.follower;
         let rules = plan::Rules { settings, follower, floors: self.watch.floors() };
         let limit = plan::plan(rules, &model, task, start, prediction, speeds, phases);

@@ -1,4 +1,7 @@
-//! What is believed of the link: loop delay (normal on its logarithm) and late packets (beta-Bernoulli).
+//! What is believed of the link: loop delay (the recent ones, normal on their logarithm) and late packets (beta-Bernoulli).
+//!
+//! A link changes with the route and the place: what counts are the deliveries of the last second or so. Their median is
+//! the loop delay; half of them must be of another route before it moves there, so no burst of late packets moves it.
 
 use super::estimate::{LEVEL, LinkEstimate};
 use super::status::{Status, progress};
@@ -7,6 +10,7 @@ use crate::exchange::{Delivery, Observation};
 use crate::geometry::elementary::{exp, ln};
 use crate::horizon::SLOT;
 use crate::time::RobotTime;
+use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -25,14 +29,20 @@ const LUCK: f64 = 0.05;
 /// Loop delays are physical above this many s; a shorter one counts as this.
 const SHORTEST: f64 = 1e-3;
 
+/// Recent deliveries: after half of them a change of the route has been followed.
+const RECENT: usize = 31;
+
 /// Requests remembered to know when their pose was taken.
 const REQUESTS: usize = 32;
 
 /// What is believed of one robot's link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinkBelief {
-    /// ln of the loop delay in s, of packets neither late nor held back.
+    /// ln of the loop delay in s, of the recent packets neither late nor held back.
     ln_delay: NormalInverseChiSquared,
+    /// The recent deliveries that were not held back, oldest first.
+    #[serde(default)]
+    recent: VecDeque<Recent>,
     late: BetaBernoulli,
     deliveries: u64,
     late_deliveries: u64,
@@ -40,6 +50,15 @@ pub struct LinkBelief {
     requests: VecDeque<(u64, RobotTime)>,
     /// When the last late delivery arrived.
     late_arrival: Option<RobotTime>,
+}
+
+/// A delivery that was not held back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Recent {
+    /// Its loop delay in s.
+    delay: f64,
+    /// Whether it counts as late.
+    is_late: bool,
 }
 
 /// A loop of 0.2 s, give or take a factor of 1.5, worth one tenth of a delivery.
@@ -52,6 +71,7 @@ impl Default for LinkBelief {
     fn default() -> Self {
         Self {
             ln_delay: prior_ln_delay(),
+            recent: VecDeque::with_capacity(RECENT),
             // One late packet in twenty, worth two packets.
             late: BetaBernoulli::new(0.1, 1.9).expect("constants in their domain"),
             deliveries: 0,
@@ -76,7 +96,8 @@ impl LinkBelief {
     ///
     /// Late packets are above the median by more than three slots. Those that arrive in the same instant behind a
     /// late one were only held back: on a link that keeps the order they were not late themselves, or they would
-    /// have come later still. They count as not late, and say nothing of the ordinary delay.
+    /// have come later still. They count as not late, and say nothing of the ordinary delay. Packets that turn out to be
+    /// the first of another route were not late either.
     pub fn update(&mut self, delivery: &Delivery) {
         let delay = delivery.loop_delay.max(SHORTEST);
         self.deliveries += 1;
@@ -85,28 +106,50 @@ impl LinkBelief {
         let held_back = arrival
             .zip(self.late_arrival)
             .is_some_and(|(arrival, late)| (arrival - late).abs() < SAME_INSTANT);
-        let ln_delay = ln(delay);
-        // What is not above the median is not late either, and needs no exponential to be known as such.
-        let is_late = !held_back
-            && ln_delay > self.ln_delay.mu()
-            && delay > self.median() + LATE_SLOTS * SLOT;
+        if held_back {
+            self.late = self.late.update(false);
+            return;
+        }
+        if self.recent.len() >= RECENT {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(Recent { delay, is_late: false });
+        let latest = self.recent_median().unwrap_or(delay) + LATE_SLOTS * SLOT;
+        for recent in self.recent.iter_mut().filter(|it| it.is_late && it.delay <= latest) {
+            recent.is_late = false;
+            self.late = self.late.retract(true).map_or(self.late, |late| late.update(false));
+            self.late_deliveries = self.late_deliveries.saturating_sub(1);
+        }
+        let is_late = delay > latest;
         self.late = self.late.update(is_late);
         if is_late {
             self.late_deliveries += 1;
             self.late_arrival = arrival;
-        } else if !held_back {
-            self.ln_delay = self.ln_delay.update(ln_delay);
+            if let Some(newest) = self.recent.back_mut() {
+                newest.is_late = true;
+            }
         }
+        let ordinary = self.recent.iter().filter(|it| !it.is_late);
+        self.ln_delay = ordinary.fold(prior_ln_delay(), |belief, it| belief.update(ln(it.delay)));
+    }
+
+    /// Median of the recent loop delays in s; none before the first delivery.
+    pub fn median(&self) -> Option<f64> {
+        let known = self.recent_median();
+        known.or_else(|| (self.deliveries > 0).then(|| exp(self.ln_delay.mu())))
+    }
+
+    /// The lower one of the middle two: the first of all packets may have waited for its connection.
+    fn recent_median(&self) -> Option<f64> {
+        let mut delays: ArrayVec<f64, RECENT> = self.recent.iter().map(|it| it.delay).collect();
+        let middle = delays.len().checked_sub(1)? / 2;
+        Some(*delays.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
     /// Forgets times of the robot's clock, keeps what they taught.
     pub fn restart_clock(&mut self) {
         self.requests.clear();
         self.late_arrival = None;
-    }
-
-    fn median(&self) -> f64 {
-        exp(self.ln_delay.mu())
     }
 
     /// How far the estimate of the loop delay has got: as with a channel, the less of mean and variance of its logarithm.
@@ -129,7 +172,7 @@ impl LinkBelief {
         let seen = self.deliveries > 0;
         LinkEstimate {
             samples: self.deliveries,
-            median: seen.then(|| self.median()),
+            median: self.median(),
             p99: seen.then(|| self.ln_delay.predictive_interval(0.98).1.exp()),
             late: self.late_deliveries,
             late_probability: self.late.predictive(),
@@ -180,6 +223,39 @@ mod tests {
         // 0.95^58 = 0.051, 0.95^59 = 0.049.
         assert!(matches!(statuses(58), (Status::Estimated, Status::Estimating { .. })));
         assert_eq!(statuses(59), (Status::Estimated, Status::Estimated));
+    }
+
+    /// Guards against a link that is slower than expected and never learned, all of whose packets are late.
+    #[test]
+    fn a_slow_link_is_known_at_once_and_nothing_of_it_is_late() {
+        let estimate = learn(106, |_| 0.35);
+        assert!((estimate.median.expect("seen") - 0.35).abs() < 1e-9);
+        assert_eq!(estimate.late, 0);
+        assert!(estimate.p99.expect("seen") < 0.5, "{estimate:?}");
+        // Whatever was seen so far, no loop takes longer than one could wait for.
+        for count in 1..10 {
+            let p99 = learn(count, |_| 0.35).p99.expect("seen");
+            assert!(p99 < 3.0, "{count}: {p99}");
+        }
+    }
+
+    /// Guards against commands timed for a route that is no more.
+    #[test]
+    fn another_route_is_followed_within_twenty_deliveries_either_way() {
+        // In order, the last packets of the slow route hold back the first of the fast one.
+        for (before, after, held_back) in [(0.05, 0.4, 0), (0.4, 0.05, 12)] {
+            let estimate = learn(220 + held_back, |i| if i < 200 { before } else { after });
+            assert!((estimate.median.expect("seen") - after).abs() < 1e-9, "{before} -> {after}");
+            assert_eq!(estimate.late, 0, "the first packets of a route are not late");
+        }
+    }
+
+    /// Guards against a burst of late packets that is taken for another route, and the robot plans for it.
+    #[test]
+    fn a_burst_of_late_packets_does_not_move_the_median() {
+        let estimate = learn(310, |i| if i >= 300 { 0.17 + 0.1 * (i - 299) as f64 } else { 0.17 });
+        assert!((estimate.median.expect("seen") - 0.17).abs() < 1e-9);
+        assert_eq!(estimate.late, 10);
     }
 
     /// Guards against one late packet counted as many: one of 400 ms holds back a dozen, and 5 % would read as 50 %.

@@ -26,6 +26,7 @@ pub use fit::Fit;
 pub use raise::{Floor, Floors, RAISED_FOR};
 pub use situation::Situation;
 
+use crate::exchange::PoseNoise;
 use crate::time::RobotTime;
 use advance::Advance;
 use evidence::{Evidence, Jitter};
@@ -106,6 +107,11 @@ impl Watch {
     pub fn state(&self) -> Option<(Alarm, bool)> {
         let rest = self.holding.or(self.blind).map(|alarm| (alarm, true));
         rest.or(self.remark.map(|alarm| (alarm, false)))
+    }
+
+    /// The noise of the poses, as described or as they show it, whichever is more.
+    pub fn noise(&self, described: PoseNoise) -> PoseNoise {
+        self.jitter.at_least(described)
     }
 
     /// The smallest speeds as learned.

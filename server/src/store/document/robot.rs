@@ -51,11 +51,12 @@ pub(crate) fn record(body: &str, revision: u64) -> Result<Record, Unreadable> {
         let content: Content = serde_json::from_value(content).map_err(|it| it.to_string())?;
         let Content { settings, prior, said, task, stopped } = content;
         let values = prior.convert().map_err(|error| error.to_string())?;
+        let said = said.unwrap_or_else(|| robot::Description::from(&settings));
         Ok::<_, String>(Record {
             told: Told {
-                settings: settings.convert(values),
+                settings: said.follow_link(settings.convert(values)),
                 prior: settings.prior.name().map(str::to_owned),
-                said: said.unwrap_or_else(|| robot::Description::from(&settings)),
+                said,
             },
             task: task.map(|task| task.convert()),
             stopped,

@@ -86,7 +86,10 @@ impl Controller {
         saved.fits(&settings, task.as_ref()).then(|| {
             let Saved { belief, phase, record, watch } = saved;
             let watch = Watch::restored(watch);
-            Self { belief, phase, record, watch, task, stopped, ..Self::new(settings) }
+            let mut restored =
+                Self { belief, phase, record, watch, task, stopped, ..Self::new(settings) };
+            restored.follow_link();
+            restored
         })
     }
 }
