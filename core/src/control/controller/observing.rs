@@ -71,7 +71,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
     /// displacement, and what the wheels do at its end.
-    fn nominal(&self, track: &Track, until: RobotTime) -> (Window, Displacement, WheelSpeeds) {
+    pub(super) fn nominal(&self, track: &Track, until: RobotTime) -> (Window, Displacement, WheelSpeeds) {
         let drive = &self.settings.drive;
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
@@ -170,7 +170,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     }
 
     /// Whether zero was played for three slots before `time`, by the robot's reports where there are any.
-    fn was_at_rest(&self, time: RobotTime) -> bool {
+    pub(super) fn was_at_rest(&self, time: RobotTime) -> bool {
         let drive = &self.settings.drive;
         (0..REST_SLOTS).all(|slot| {
             let then = time - drive.dead_time - f64::from(slot) * self.settings.slot;

@@ -1,0 +1,6 @@
+//! Robots with one fault each, and robots with none.
+
+mod healthy;
+mod robot;
+mod tracker;
+mod wheels;
