@@ -205,8 +205,13 @@ pub enum Finding {
         /// Times what was commanded.
         times: f64,
     },
-    /// See [`Fault::Degrees`]: times the turn commanded.
-    Degrees(f64),
+    /// See [`Fault::Degrees`].
+    Degrees {
+        /// Times the turn commanded.
+        times: f64,
+        /// Spread at rest in what the heading is in.
+        spread: f64,
+    },
     /// One wheel runs backward.
     Inverted {
         /// Whether it is the left one.
@@ -292,7 +297,7 @@ impl Finding {
             Self::HeadingFixed(_) => Fault::HeadingFixed,
             Self::Units { millimetres: true, .. } => Fault::Millimetres,
             Self::Units { millimetres: false, .. } => Fault::Centimetres,
-            Self::Degrees(_) => Fault::Degrees,
+            Self::Degrees { .. } => Fault::Degrees,
             Self::Inverted { left: true, .. } => Fault::LeftInverted,
             Self::Inverted { left: false, .. } => Fault::RightInverted,
             Self::BothInverted => Fault::BothInverted,

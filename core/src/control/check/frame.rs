@@ -35,10 +35,12 @@ impl Frame {
         let count = drives.clone().count() as f64;
         let squares: f64 = drives
             .clone()
-            .map(|drive| (drive.moved[0].powi(2) + drive.moved[1].powi(2)) / drive.commanded.powi(2))
+            .map(|drive| {
+                (drive.moved[0].powi(2) + drive.moved[1].powi(2)) / drive.commanded.powi(2)
+            })
             .sum();
         let all = (squares / count).sqrt();
-        if !(all > 0.0) {
+        if all == 0.0 || !all.is_finite() {
             return None;
         }
         let of = |mirrored: bool| {
@@ -48,8 +50,9 @@ impl Frame {
         };
         let (turned, mirrored) = (of(false), of(true));
         let headings = drives.map(heading);
-        let (low, high) = headings
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)));
+        let (low, high) = headings.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| {
+            (low.min(it), high.max(it))
+        });
         // Half a turn apart both say the same.
         let tells = (high - low).sin().abs() > APART.sin();
         Some(if tells && mirrored.scale > turned.scale { mirrored } else { turned })

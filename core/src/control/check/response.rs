@@ -7,6 +7,9 @@ use crate::kinematics::Drive;
 /// Times the commanded turn from which on the heading is in degrees: 57 of them make a radian.
 const DEGREES: f64 = 12.0;
 
+/// Spread in rad of the heading at rest from which on it is in degrees: no tracker is so poor, and a degree of noise is more.
+const SPREAD: f64 = 0.3;
+
 /// Degrees of a radian.
 const PER_RADIAN: f64 = 57.295_779_513_082_32;
 
@@ -39,15 +42,15 @@ pub struct Response {
 }
 
 impl Response {
-    /// What was seen between the rests of a check that began at `heading` rad.
-    pub fn of(levels: &Levels, heading: f64, drive: &Drive) -> Self {
+    /// What was seen between the rests of a check that began at `heading` rad, whose spread at rest is `spread` rad.
+    pub fn of(levels: &Levels, heading: f64, spread: f64, drive: &Drive) -> Self {
         let half = drive.track_width / 2.0;
         let turns = || levels.changes.iter().filter(|change| change.is_turn);
         let drives = || levels.changes.iter().filter(|change| !change.is_turn);
         let (turn, spin) = (slope(turns(), 2), slope(drives(), 2) * half);
         let (driven, shift) = (distance(drives()), distance(turns()) / half);
         let most = (turn - spin).abs().max((turn + spin).abs());
-        let radian = if most > DEGREES { PER_RADIAN } else { 1.0 };
+        let radian = if most > DEGREES || spread > SPREAD { PER_RADIAN } else { 1.0 };
         let ratio = driven.max(shift) / (most / radian).max(LEAST_TURN);
         let metre = match ratio {
             ratio if ratio > MILLIMETRES => 1000.0,
@@ -69,11 +72,6 @@ impl Response {
     /// (k_r + k_l)/2, a drive to (k_r - k_l)/2.
     pub fn wheels(&self) -> (f64, f64) {
         (self.turn - self.spin, self.turn + self.spin)
-    }
-
-    /// Whether the heading tells where the robot drives: not of degrees.
-    pub fn has_heading(&self) -> bool {
-        self.radian == 1.0
     }
 }
 

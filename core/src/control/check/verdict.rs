@@ -1,7 +1,7 @@
 //! From what was seen to what is wrong.
 
 use super::finding::{Clock, Finding, Findings, Mirror, Quarter};
-use super::levels::Levels;
+use super::levels::{Change, Levels};
 use super::report::{Numbers, Report};
 use super::response::Response;
 use super::trace::Trace;
@@ -53,12 +53,12 @@ impl Report {
     pub fn of(trace: &Trace, settings: &Settings) -> Self {
         let drive = &settings.drive;
         let levels = trace.is_complete().then(|| Levels::of(trace)).flatten();
-        let response = levels.map(|levels| Response::of(&levels, trace.heading(), drive));
+        let spread = trace.noise().map_or(0.0, |noise| noise.heading);
+        let response = levels.map(|it| Response::of(&it, trace.heading(), spread, drive));
         let (metre, radian) = response.map_or((1.0, 1.0), |it| (it.metre, it.radian));
-        let noise = trace.noise().map(|it| PoseNoise {
-            position: it.position / metre,
-            heading: it.heading / radian,
-        });
+        let noise = trace
+            .noise()
+            .map(|it| PoseNoise { position: it.position / metre, heading: it.heading / radian });
         let numbers = Numbers {
             poses_per_second: trace.rate(),
             noise,
@@ -95,8 +95,8 @@ impl Report {
         if trace.rate() < FEWEST {
             say(Finding::TooFewPoses(trace.rate()));
         }
-        match response {
-            Some(response) => motion(&response, trace, settings, &mut say),
+        match levels.zip(response) {
+            Some((levels, response)) => motion(&levels, &response, trace, settings, &mut say),
             None if trace.rate() >= FEWEST => say(Finding::Unclear),
             None => {}
         }
@@ -107,6 +107,7 @@ impl Report {
             }
         }
         if let Some(seen) = noise
+            && radian == 1.0
             && is_noisier(seen, settings.noise)
         {
             say(Finding::Noise { seen, described: settings.noise });
@@ -138,7 +139,13 @@ fn is_noisier(seen: PoseNoise, described: PoseNoise) -> bool {
 }
 
 /// What the motions say of units, wheels and frame.
-fn motion(response: &Response, trace: &Trace, settings: &Settings, say: &mut impl FnMut(Finding)) {
+fn motion(
+    levels: &Levels,
+    response: &Response,
+    trace: &Trace,
+    settings: &Settings,
+    say: &mut impl FnMut(Finding),
+) {
     let Response { turn, spin, drive, .. } = *response;
     let (left, right) = response.wheels();
     let turns = left.abs().max(right.abs());
@@ -151,11 +158,15 @@ fn motion(response: &Response, trace: &Trace, settings: &Settings, say: &mut imp
         say(Finding::Units { millimetres, times: drive.max(response.shift) * response.metre });
     }
     if response.radian > 1.0 {
-        say(Finding::Degrees(turn.abs().max(spin.abs()) * response.radian));
+        // What wheels and frame are like shows once the heading is right.
+        return say(Finding::Degrees {
+            times: turn.abs().max(spin.abs()) * response.radian,
+            spread: trace.noise().map_or(0.0, |noise| noise.heading),
+        });
     }
     if turns < MOVED {
         // The heading shows no turn; whether there was one the directions of the drives say.
-        return say(match turned_unseen(trace) {
+        return say(match turned_unseen(levels) {
             Some(angle) => Finding::HeadingFixed(angle),
             None => Finding::DoesNotTurn(turn.abs()),
         });
@@ -177,17 +188,16 @@ fn motion(response: &Response, trace: &Trace, settings: &Settings, say: &mut imp
     factors(response, settings, say);
 }
 
-/// The angle in rad between the directions of the drives, where it is half of what was commanded at least.
-fn turned_unseen(trace: &Trace) -> Option<f64> {
-    let levels = Levels::of(trace)?;
-    let commanded: f64 = trace.motions().iter().filter(|it| it.is_turn).map(|it| it.commanded).fold(0.0, f64::min);
-    let direction = |index: usize| {
-        let change = levels.changes[index];
-        let [x, y, _] = change.moved.map(|it| it / change.commanded);
+/// The angle in rad between the directions of the drives before and after the turn in the middle, where it is half of what
+/// was commanded at least.
+fn turned_unseen(levels: &Levels) -> Option<f64> {
+    let [_, before, _, turn, after, ..] = levels.changes;
+    let direction = |drive: Change| {
+        let [x, y, _] = drive.moved.map(|it| it / drive.commanded);
         y.atan2(x)
     };
-    let angle = crate::geometry::Angle::new(direction(4) - direction(1)).radians().abs();
-    (angle > commanded.abs() / 2.0).then_some(angle)
+    let angle = apart(direction(before), direction(after));
+    (angle > turn.commanded.abs() / 2.0).then_some(angle)
 }
 
 /// What the directions of the drives say of the frame.
@@ -198,10 +208,6 @@ fn frame(response: &Response, say: &mut impl FnMut(Finding)) {
     }
     let is_at = |direction: f64| apart(frame.angle, direction) < SAME_DIRECTION;
     let turns_back = response.turn < 0.0;
-    if !response.has_heading() {
-        // Only changes of the heading are known: nothing of where it points.
-        return if frame.mirrored || turns_back { say(Finding::Swapped) };
-    }
     match (frame.mirrored, turns_back) {
         (true, true) => say(Finding::Clockwise(frame.angle)),
         (true, false) => {

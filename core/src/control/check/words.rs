@@ -35,9 +35,9 @@ impl Finding {
             Self::Units { times, .. } => {
                 format!("positions changed by {times:.0} times what was commanded")
             }
-            Self::Degrees(times) => {
-                format!("the heading changed by {times:.0} times what was commanded")
-            }
+            Self::Degrees { times, spread } => format!(
+                "the heading changed by {times:.0} times what was commanded, and spreads by {spread:.2} at rest"
+            ),
             Self::Inverted { left, wheels } => format!(
                 "it spins where it should drive: the {} wheel runs backward ({})",
                 side(left),
@@ -123,7 +123,9 @@ impl Finding {
             }
             Self::Units { millimetres: true, .. } => "divide x and y by 1000: positions are in m",
             Self::Units { millimetres: false, .. } => "divide x and y by 100: positions are in m",
-            Self::Degrees(_) => "multiply the heading by pi/180: it is in rad; then check again",
+            Self::Degrees { .. } => {
+                "multiply the heading by pi/180: it is in rad; then check again"
+            }
             Self::Inverted { left: true, .. } => "invert the left motor; then check again",
             Self::Inverted { left: false, .. } => "invert the right motor; then check again",
             Self::BothInverted => {
@@ -172,9 +174,13 @@ impl Clock {
     fn seen(self) -> String {
         match self {
             Self::Old(age) => format!("no pose was younger than {age:.2} s when it was sent"),
-            Self::Ahead(by) => format!("poses are stamped {by:.2} s too late or early: motion is seen before its command"),
+            Self::Ahead(by) => format!(
+                "poses are stamped {by:.2} s too late or early: motion is seen before its command"
+            ),
             Self::Drifts(by) => {
-                format!("the stamps drift against the agent's clock, by {by:+.2} s within the check")
+                format!(
+                    "the stamps drift against the agent's clock, by {by:+.2} s within the check"
+                )
             }
         }
     }

@@ -71,7 +71,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
     /// displacement, and what the wheels do at its end.
-    pub(super) fn nominal(&self, track: &Track, until: RobotTime) -> (Window, Displacement, WheelSpeeds) {
+    pub(super) fn nominal(
+        &self,
+        track: &Track,
+        until: RobotTime,
+    ) -> (Window, Displacement, WheelSpeeds) {
         let drive = &self.settings.drive;
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {

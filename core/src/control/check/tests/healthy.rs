@@ -1,18 +1,10 @@
 //! A robot with nothing wrong gets numbers and no finding, whatever its size, its tracker, its floor and its link.
 
-use super::robot::{Robot, coin, rover, truck};
+use super::robot::{POOR, Robot, coin, poor, rover, truck};
 use crate::check::Report;
 use crate::exchange::PoseNoise;
 use crate::kinematics::Drive;
 use std::sync::Arc;
-
-const POOR: PoseNoise = PoseNoise { position: 0.003, heading: 0.0175 };
-
-fn poor(drive: Drive, rate: f64, seed: u64) -> Robot {
-    let robot = Robot::new(drive);
-    let settings = crate::settings::Settings { noise: POOR, ..robot.settings };
-    Robot { noise: POOR, settings, rate, seed, ..robot }
-}
 
 fn well(robot: Robot, what: &str) -> Arc<Report> {
     let run = robot.run();
@@ -37,7 +29,10 @@ fn every_size_under_a_poor_camera_at_10_and_33_hz() {
                 let delay = numbers.delay.unwrap();
                 assert!(delay.abs() < 0.1, "{what}: delay {delay}");
                 let noise = numbers.noise.unwrap();
-                assert!((0.5..2.0).contains(&(noise.position / POOR.position)), "{what}: {noise:?}");
+                assert!(
+                    (0.5..2.0).contains(&(noise.position / POOR.position)),
+                    "{what}: {noise:?}"
+                );
                 assert!((numbers.poses_per_second - rate).abs() < 1.5, "{what}: {numbers:?}");
             }
         }
@@ -59,7 +54,8 @@ fn slip_of_8_percent() {
 #[test]
 fn a_link_of_any_delay() {
     for (seed, delay) in [(0, 0.1), (1, 0.3), (2, 0.6)] {
-        let mut robot = Robot { delays: (0.03, delay / 2.0, delay / 2.0), ..poor(rover(), 10.0, seed) };
+        let mut robot =
+            Robot { delays: (0.03, delay / 2.0, delay / 2.0), ..poor(rover(), 10.0, seed) };
         robot.settings.loop_delay = delay + 0.1;
         let report = well(robot, &format!("link {delay}"));
         assert!(report.numbers.delay.unwrap().abs() < 0.1, "{delay}: {:?}", report.numbers);

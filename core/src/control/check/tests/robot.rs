@@ -25,13 +25,19 @@ const START: f64 = 50.0;
 /// What the tracker makes of a pose at a time since the start: x and y, heading; none is a lost frame.
 pub type Show = Box<dyn FnMut(f64, [f64; 3]) -> Option<[f64; 3]>>;
 
+/// Wheel speeds made of those commanded.
+pub type Wheels = fn(WheelSpeeds) -> WheelSpeeds;
+
+/// What its controller is told.
+pub type Order = fn(&mut Controller);
+
 /// One run.
 pub struct Robot {
     /// As it is described.
     pub settings: Settings,
     /// As it is.
     pub real: Drive,
-    pub wheels: fn(WheelSpeeds) -> WheelSpeeds,
+    pub wheels: Wheels,
     /// What of a twist is made, forward and turned; and how much it differs from slot to slot.
     pub floor: (f64, f64),
     pub slip: f64,
@@ -47,7 +53,7 @@ pub struct Robot {
     pub start: Pose,
     pub seed: u64,
     /// Orders at times.
-    pub orders: Vec<(f64, fn(&mut Controller))>,
+    pub orders: Vec<(f64, Order)>,
 }
 
 pub struct Run {
@@ -173,6 +179,16 @@ impl Run {
         let report = self.report.as_ref().expect("a check ends");
         report.findings.iter().map(|finding| finding.fault()).collect()
     }
+}
+
+/// Noise of a poor camera.
+pub const POOR: PoseNoise = PoseNoise { position: 0.003, heading: 0.0175 };
+
+/// A robot with nothing wrong under a poor camera that is described.
+pub fn poor(drive: Drive, rate: f64, seed: u64) -> Robot {
+    let robot = Robot::new(drive);
+    let settings = Settings { noise: POOR, ..robot.settings };
+    Robot { noise: POOR, settings, rate, seed, ..robot }
 }
 
 pub fn rover() -> Drive {

@@ -1,17 +1,17 @@
 //! Faults of wheels and drive.
 
-use super::robot::{Robot, coin, rover, truck};
+use super::robot::{Robot, Wheels, coin, rover, truck};
 use crate::check::{Fault, Finding};
 use crate::geometry::WheelSpeeds;
 use crate::kinematics::Drive;
 
-fn with(drive: Drive, wheels: fn(WheelSpeeds) -> WheelSpeeds) -> Vec<Fault> {
+fn with(drive: Drive, wheels: Wheels) -> Vec<Fault> {
     Robot { wheels, ..Robot::new(drive) }.faults()
 }
 
 #[test]
 fn each_mistake_of_the_wheels_has_its_name() {
-    let cases: [(Fault, fn(WheelSpeeds) -> WheelSpeeds); 7] = [
+    let cases: [(Fault, Wheels); 7] = [
         (Fault::Swapped, |it| WheelSpeeds { left: it.right, right: it.left }),
         (Fault::LeftInverted, |it| WheelSpeeds { left: -it.left, ..it }),
         (Fault::RightInverted, |it| WheelSpeeds { right: -it.right, ..it }),
