@@ -151,7 +151,7 @@ impl Finding {
             }
             Self::Mirrored(mirror) => mirror.remedy(),
             Self::Delay { seen, described } if seen > described => {
-                "stamp poses when they are taken; what is left is the drive's: describe drive.dead_time_s, or drive.lag_s where it starts slowly"
+                "stamp poses when they are taken; what is left is the drive's: describe drive.dead_time_s (--dead-time), or drive.lag_s (--lag) where it starts slowly"
             }
             Self::Delay { .. } => "describe a smaller drive.dead_time_s or drive.lag_s",
             Self::Noise { .. } => {

@@ -50,7 +50,7 @@ impl Saved {
         let legs = task.waypoints.len();
         let reached = self.record.progress(Stage::Idle, legs).leg;
         let is_phase_of = match self.phase {
-            Phase::Idle => legs == 0,
+            Phase::Idle => legs == 0 && task.check.is_none(),
             Phase::Checking { .. } => task.check.is_some(),
             Phase::Calibrating { .. } | Phase::Straight { .. } => task.calibration.is_some(),
             Phase::Settling => true,
