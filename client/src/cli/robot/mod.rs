@@ -1,5 +1,7 @@
 //! `umwelt robot`.
 
+mod check;
+
 use super::failure::Failure;
 use super::input;
 use super::output::Output;
@@ -37,6 +39,9 @@ pub(super) enum Command {
         #[arg(value_name = "ID")]
         robot: RobotId,
     },
+    /// Find what is wrong with a robot or its tracker: it wiggles for some 20 s
+    #[command(after_help = check::HELP)]
+    Check(check::Check),
     /// Remove a robot with its task and what was learned; if it still drives, it ramps to rest
     Remove {
         /// The robot
@@ -153,6 +158,7 @@ impl Command {
                 output.result(&page, list)
             }
             Self::Show { robot } => output.result(&wait(client.get_robot(&robot)).await?, show),
+            Self::Check(check) => check.run(client, output).await,
             Self::Remove { robot } => {
                 wait(client.delete_robot(&robot)).await?;
                 let answer = json!({ "robot": robot, "removed": true });
