@@ -277,8 +277,10 @@ pub enum Finding {
 pub enum Clock {
     /// No pose was younger than so many s when it was sent.
     Old(f64),
-    /// The motion was seen so many s before its command, or poses were taken so long after they were sent.
-    Ahead(f64),
+    /// Poses were taken so many s after they were sent.
+    Future(f64),
+    /// Motion was seen so many s before its command.
+    Before(f64),
     /// The poses grew older by so many s within the check.
     Drifts(f64),
 }

@@ -329,3 +329,65 @@ impl Trace {
         self.farthest
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::kinematics::Drive;
+    use crate::task::Check;
+
+    fn trace() -> Trace {
+        Trace::new(Wiggle::new(Check::default(), &Drive::default()))
+    }
+
+    fn pose(time: f64, x: f64, heading: f64) -> Observation {
+        Observation { pose: Pose::new(x, 0.0, heading), taken: RobotTime::new(time) }
+    }
+
+    #[test]
+    fn it_takes_a_few_kilobytes_however_many_poses_come() {
+        assert!(size_of::<Trace>() < 8 * 1024, "{}", size_of::<Trace>());
+        let mut trace = trace();
+        for n in 0..100_000 {
+            trace.pose(pose(f64::from(n) / 240.0, 0.0, 0.0));
+        }
+        assert_eq!(trace.samples().len(), SAMPLES);
+        assert!((trace.rate() - 240.0).abs() < 0.1);
+    }
+
+    /// Held against the sum and the centre of what is commanded, piece by piece.
+    #[test]
+    fn motions_are_told_apart_by_kind_and_side_and_a_pause_within_one_is_none() {
+        let (mut trace, drive) = (trace(), Drive::default());
+        trace.pose(pose(0.0, 0.0, 0.0));
+        let mut command = |from: f64, linear: f64, angular: f64, duration: f64| {
+            let twist = Twist::new(linear, angular);
+            trace.command(RobotTime::new(from), twist, duration, drive.track_width);
+        };
+        command(1.0, 0.0, 0.3, 1.0);
+        command(2.0, 0.0, 0.0, 1.0);
+        command(3.0, 0.0, 0.3, 1.0);
+        command(4.0, 0.1, 0.0, 2.0);
+        command(6.0, -0.1, 0.0, 2.0);
+        let [left, ahead, back] = trace.motions() else { panic!("{:?}", trace.motions()) };
+        assert!((left.commanded - 0.6).abs() < 1e-12 && (left.centre() - 2.5).abs() < 1e-12);
+        assert!(left.is_turn && (left.from, left.until) == (1.0, 4.0));
+        assert!((ahead.commanded - 0.2).abs() < 1e-12 && (ahead.centre() - 5.0).abs() < 1e-12);
+        assert!((back.commanded + 0.2).abs() < 1e-12 && (back.centre() - 7.0).abs() < 1e-12);
+    }
+
+    /// The sample variance, held against the definition.
+    #[test]
+    fn noise_is_that_of_the_poses_before_the_first_motion() {
+        let mut trace = trace();
+        let all = [0.001, -0.002, 0.003, 0.0, 0.004, -0.001];
+        for (n, x) in all.into_iter().enumerate() {
+            trace.pose(pose(n as f64 / 10.0, x, 0.0));
+        }
+        let mean = all.iter().sum::<f64>() / 6.0;
+        let variance = all.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 5.0;
+        let noise = trace.noise().unwrap();
+        assert!((noise.position - (variance / 2.0).sqrt()).abs() < 1e-12, "{noise:?}");
+    }
+}

@@ -124,12 +124,12 @@ fn clock(trace: &Trace, delay: Option<f64>) -> Option<Clock> {
         return Some(Clock::Drifts(drift));
     }
     if youngest < -FUTURE {
-        return Some(Clock::Ahead(-youngest));
+        return Some(Clock::Future(-youngest));
     }
     if youngest.is_finite() && youngest > OLD {
         return Some(Clock::Old(youngest));
     }
-    delay.filter(|delay| *delay < -AHEAD).map(|delay| Clock::Ahead(-delay))
+    delay.filter(|delay| *delay < -AHEAD).map(|delay| Clock::Before(-delay))
 }
 
 fn is_noisier(seen: PoseNoise, described: PoseNoise) -> bool {

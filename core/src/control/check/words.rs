@@ -174,9 +174,8 @@ impl Clock {
     fn seen(self) -> String {
         match self {
             Self::Old(age) => format!("no pose was younger than {age:.2} s when it was sent"),
-            Self::Ahead(by) => format!(
-                "poses are stamped {by:.2} s too late or early: motion is seen before its command"
-            ),
+            Self::Future(by) => format!("poses are stamped {by:.2} s after they were sent"),
+            Self::Before(by) => format!("motion is seen {by:.2} s before its command"),
             Self::Drifts(by) => {
                 format!(
                     "the stamps drift against the agent's clock, by {by:+.2} s within the check"

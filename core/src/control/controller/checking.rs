@@ -36,7 +36,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// The check begins anew: what was seen so far is of another motion.
     pub(super) fn check_anew(&mut self) {
         if self.is_checking() {
-            self.trace = Self::trace_of(&self.settings, self.task.as_ref());
+            if let Some(trace) = &mut self.trace {
+                trace.clear();
+            }
             self.phase = self.phase.resumed();
             self.phases.clear();
         }
@@ -47,7 +49,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let was_interrupted = self.stopped || self.heard.is_held();
         let begins_anew = matches!(self.phase, Phase::Checking { part: 0, .. });
         let has_moved = self.trace.as_ref().is_some_and(|trace| trace.has_moved());
-        if has_moved && (was_interrupted || begins_anew) {
+        if was_interrupted || (has_moved && begins_anew) {
             self.check_anew();
         }
         let newest = request.observations.last().map(|newest| newest.taken);

@@ -94,6 +94,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.healthy = None;
         }
         self.settings = settings;
+        if self.trace.is_some() {
+            self.trace = Self::trace_of(&self.settings, self.task.as_ref());
+        }
         self.check_anew();
         self.limit = None;
         self.phases.clear();

@@ -102,7 +102,7 @@ impl Robot {
         let mut up: VecDeque<(f64, Request)> = VecDeque::new();
         let mut down: VecDeque<(f64, Horizon)> = VecDeque::new();
         let (mut frames, mut away, mut ended, mut rests) = (0_u64, 0.0_f64, None, false);
-        for tick in 0..(90.0 / TICK) as u64 {
+        for tick in 0..(120.0 / TICK) as u64 {
             let t = tick as f64 * TICK;
             let now = RobotTime::new(START + t);
             let mut normal = || random.sample::<f64, _>(StandardNormal);
