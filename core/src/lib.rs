@@ -73,8 +73,8 @@ pub use robot::{actuation, exchange, geometry, horizon, kinematics, local, time}
 mod control;
 #[cfg(feature = "controller")]
 pub use control::{
-    commands, conjugate, controller, derived, identification, prediction, settings, steering, task,
-    watch,
+    check, commands, conjugate, controller, derived, identification, prediction, settings,
+    steering, task, watch,
 };
 
 #[cfg(feature = "controller")]

@@ -39,6 +39,7 @@ pub mod page;
 pub mod prior;
 pub mod problem;
 pub mod robot;
+pub mod robot_check;
 // Two attributes: clippy takes a module for tests by the plain one.
 #[cfg(feature = "core")]
 #[cfg(test)]

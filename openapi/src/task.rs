@@ -6,6 +6,7 @@ use crate::checked::Checked;
 use crate::id::RobotId;
 use crate::number;
 use crate::problem::Problems;
+use crate::robot_check::{Report, Wiggle};
 use crate::schema::ToSchema;
 use crate::watch;
 use serde::{Deserialize, Serialize};
@@ -97,7 +98,8 @@ impl Validate for Calibration {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = TaskSpec)]
 pub struct Spec {
-    /// Places to stop at. The first leg leads from where the robot stands to the first of them.
+    /// Places to stop at, at least one; none where the task is a check. The first leg leads from where the robot stands to
+    /// the first of them.
     pub waypoints: Vec<Waypoint>,
     /// Distance from a waypoint within which the robot has arrived. Null or left out: that of the robot
     /// (`steering.tolerance_m`).
@@ -114,11 +116,15 @@ pub struct Spec {
     /// widths.
     #[serde(default)]
     pub max_deviation_m: Option<f64>,
+    /// A wiggle in place of waypoints and calibration, which ends in a report of what is wrong with robot or tracker; the
+    /// default one for `{}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub check: Option<Wiggle>,
 }
 
 impl Validate for Spec {
     fn check(&self, check: &mut Check) {
-        check.length("waypoints", self.waypoints.len(), 1..=MAX_WAYPOINTS);
+        check.length("waypoints", self.waypoints.len(), 0..=MAX_WAYPOINTS);
         check.items("waypoints", &self.waypoints);
         if let Some(tolerance) = self.tolerance_m {
             check.number("tolerance_m", tolerance, TOLERANCE);
@@ -129,6 +135,18 @@ impl Validate for Spec {
         if let Some(calibration) = &self.calibration {
             check.field("calibration", |check| calibration.check(check));
         }
+        let count = self.waypoints.len();
+        let Some(wiggle) = &self.check else {
+            return check.agrees("waypoints", count > 0, count, "say at least one, or a check");
+        };
+        check.field("check", |check| wiggle.check(check));
+        let is_alone = count == 0 && self.calibration.is_none();
+        check.agrees(
+            "check",
+            is_alone,
+            "beside",
+            "leave out waypoints and calibration, or the check",
+        );
     }
 }
 
@@ -149,7 +167,7 @@ impl Spec {
 pub enum Stage {
     /// No task.
     Idle,
-    /// Moving to learn the environment before the task.
+    /// Moving to learn the environment before the task, or to be checked.
     Calibrating,
     /// Turning in place toward the next waypoint.
     Turning,
@@ -157,7 +175,7 @@ pub enum Stage {
     Driving,
     /// At rest at a waypoint until it has been seen there.
     Stopping,
-    /// At the last waypoint: the task is done.
+    /// At the last waypoint, or at the end of a check: the task is done.
     Arrived,
 }
 
@@ -198,6 +216,9 @@ pub struct Task {
     pub spec: Spec,
     /// How far it has got.
     pub progress: Progress,
+    /// The report of a check that has ended; a server that was restarted since has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub check: Option<Report>,
     /// Version of the spec, for `If-Match`.
     pub etag: String,
 }

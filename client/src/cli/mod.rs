@@ -3,6 +3,7 @@
 //! Results go to standard output, everything else to standard error. Exit status: 0; 1 where it failed; 2 where the
 //! call was wrong. Nothing of it knows HTTP: it asks [`Client`].
 
+mod check_report;
 mod compare;
 mod comparison;
 mod environment;

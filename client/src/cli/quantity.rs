@@ -98,6 +98,8 @@ pub(super) fn stage(stage: Stage) -> &'static str {
 /// What a robot does about its task, as `driving 1/2`; nothing without one.
 pub(super) fn short_progress(progress: &Progress) -> String {
     match progress.stage {
+        Stage::Calibrating if progress.legs == 0 => "checking".to_owned(),
+        Stage::Arrived if progress.legs == 0 => "checked".to_owned(),
         Stage::Idle | Stage::Calibrating => stage(progress.stage).to_owned(),
         Stage::Turning | Stage::Driving | Stage::Stopping | Stage::Arrived => {
             let leg = (progress.leg + 1).min(progress.legs);
@@ -111,6 +113,7 @@ pub(super) fn progress(progress: &Progress) -> String {
     let Progress { leg, legs, deviation_m, max_deviation_m, elapsed_s, .. } = *progress;
     let doing = match progress.stage {
         Stage::Idle => return "no task".to_owned(),
+        Stage::Calibrating | Stage::Arrived if legs == 0 => return short_progress(progress),
         Stage::Calibrating => return "calibrating".to_owned(),
         Stage::Turning => format!("turning to waypoint {} of {legs}", leg + 1),
         Stage::Driving => format!("driving to waypoint {} of {legs}", leg + 1),

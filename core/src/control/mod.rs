@@ -1,5 +1,6 @@
 //! The controller's side: from poses to a belief about the environment, and from that to wheel speeds.
 
+pub mod check;
 pub mod commands;
 mod condition;
 pub mod conjugate;

@@ -34,10 +34,33 @@ impl Default for Calibration {
     }
 }
 
+/// A wiggle by which is found what is wrong with robot or tracker: see [`crate::check`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Check {
+    /// Speed of turns and drives as a part of the largest one of the drive; what is faster than the check needs is slowed
+    /// down.
+    pub speed: f64,
+    /// Time in s of the rest before the first motion, from which the noise of the poses is known.
+    pub rest: f64,
+    /// Time in s of a turn in place; the one in the middle takes twice as long.
+    pub turn: f64,
+    /// Time in s of each drive forward or back.
+    pub drive: f64,
+    /// Time in s of the rest between two motions.
+    pub pause: f64,
+}
+
+impl Default for Check {
+    /// Some 20 s in all.
+    fn default() -> Self {
+        Self { speed: 0.7, rest: 2.0, turn: 2.0, drive: 1.2, pause: 0.6 }
+    }
+}
+
 /// Waypoints to visit in order, each a stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
-    /// Points to stop at, at least one. The path is the straight segments between them; the first leg leads from
+    /// Points to stop at, at least one; none where the task is a check. The path is the straight segments between them; the first leg leads from
     /// where the robot stands when the task begins to the first point (at once where it stands on it).
     pub waypoints: Vec<Point>,
     /// Distance in m from a waypoint within which the robot has arrived.
@@ -48,9 +71,16 @@ pub struct Task {
     pub calibration: Option<Calibration>,
     /// Largest distance in m from the path before the robot rests; none for [`Task::default_deviation`].
     pub max_deviation: Option<f64>,
+    /// The wiggle that the task is, in place of a way to waypoints.
+    pub check: Option<Check>,
 }
 
 impl Task {
+    /// The task that is a check.
+    pub fn checking(check: Check) -> Self {
+        Self { waypoints: Vec::new(), calibration: None, check: Some(check), ..Self::thesis() }
+    }
+
     /// Largest distance in m from a leg of `length` m where the task says none: a robot of track `track` m that is
     /// farther from its leg than the leg is long does not follow it; short legs leave room to turn and recover.
     pub fn default_deviation(length: f64, track: f64) -> f64 {
@@ -65,6 +95,7 @@ impl Task {
             reverse: false,
             calibration: Some(Calibration::default()),
             max_deviation: None,
+            check: None,
         }
     }
 }
@@ -74,7 +105,7 @@ impl Task {
 pub enum Stage {
     /// No task.
     Idle,
-    /// Moving to learn the environment before the task.
+    /// Moving to learn the environment before the task, or to be checked.
     Calibrating,
     /// Turning in place toward the next waypoint.
     Turning,

@@ -132,7 +132,7 @@ const ROBOT: [(&str, &str); 38] = [
     ("prior.drift.s", "Larger: a wider prediction, so a slower robot."),
 ];
 
-const TASK: [(&str, &str); 9] = [
+const TASK: [(&str, &str); 12] = [
     (
         "calibration",
         "Without one the environment is learned on the way; the first leg is driven by the prior.",
@@ -151,6 +151,12 @@ const TASK: [(&str, &str); 9] = [
         "Faster: the noise of the camera weighs less; beyond the drive's limit it is cut.",
     ),
     ("calibration.pause_s", "Longer: more time."),
+    (
+        "check",
+        "The robot wiggles for some 20 s and reports what is wrong with it or its tracker (`docs/check.md`).",
+    ),
+    ("check.drive_s", "Longer: more room, and a noisier tracker suffices."),
+    ("check.speed_share", "Larger: motors that stand at small speeds turn."),
     ("max_deviation_m", "Farther from the leg the robot rests and shows `off-path`."),
     ("reverse", "`true`: shorter ways back, driven with the tail ahead."),
     (

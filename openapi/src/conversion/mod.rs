@@ -8,6 +8,7 @@ mod environment;
 mod numbers;
 mod prior;
 mod robot;
+mod robot_check;
 mod step;
 mod task;
 mod training;

@@ -1,6 +1,7 @@
 //! Tasks and how far they have got.
 
 use crate::checked::Checked;
+use crate::robot_check::Wiggle;
 use crate::task::{Calibration, Progress, Spec, Stage, Waypoint};
 use crate::watch;
 use umwelt_core::geometry::Point;
@@ -26,6 +27,7 @@ impl From<&task::Task> for Spec {
             reverse: core.reverse,
             calibration: core.calibration.map(Calibration::from),
             max_deviation_m: core.max_deviation,
+            check: core.check.map(Wiggle::from),
         }
     }
 }
@@ -101,6 +103,7 @@ impl Spec {
             tolerance: self.tolerance_m.unwrap_or(task::TOLERANCE),
             reverse: self.reverse,
             max_deviation: self.max_deviation_m,
+            check: self.check.map(|check| check.convert()),
             calibration: self.calibration.map(|calibration| task::Calibration {
                 rotations: calibration.rotations,
                 angular: calibration.angular_rad_per_s,

@@ -2,7 +2,7 @@
 
 use crate::check::{Check, Limit, Validate};
 use crate::endpoint::Schemas;
-use crate::{comparison, evolution, prior, robot, step, task, training};
+use crate::{comparison, evolution, prior, robot, robot_check, step, task, training};
 use utoipa::openapi::schema::{ArrayItems, Schema, SchemaType, Type};
 use utoipa::openapi::{Object, RefOr};
 use utoipa::{Number, ToSchema};
@@ -28,6 +28,7 @@ pub(super) fn apply(schemas: &mut Schemas) {
             reverse: false,
             calibration: Some(task::Calibration::default()),
             max_deviation_m: Some(1.0),
+            check: Some(robot_check::Wiggle::default()),
         },
     );
     write_evolve(schemas);

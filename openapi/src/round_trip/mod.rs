@@ -150,6 +150,22 @@ fn fields_that_contradict_each_other_are_refused() {
 }
 
 #[test]
+fn a_check_is_a_task_of_its_own() {
+    let said = |body: &str| problems(task::Spec::read(body.as_bytes()));
+    let alone = task::Spec::read(br#"{"waypoints": [], "check": {}}"#).unwrap().to_core(0.01);
+    assert_eq!(alone, core_task::Task::checking(core_task::Check::default()));
+    let beside = r#"{"waypoints": [{"x_m": 0, "y_m": 0}], "check": {"rest_s": 0.1}}"#;
+    let expected =
+        pairs(&[(reason::OUT_OF_RANGE, "check.rest_s"), (reason::INCONSISTENT, "check")]);
+    assert_eq!(said(beside), expected);
+    let calibrated = r#"{"waypoints": [], "calibration": {}, "check": {}}"#;
+    assert_eq!(said(calibrated), pairs(&[(reason::INCONSISTENT, "check")]));
+    // A server of before takes a task without a check: it refuses fields that it does not know.
+    let way = serde_json::to_value(task::Spec::from(&core_task::Task::thesis())).unwrap();
+    assert_eq!(way.get("check"), None);
+}
+
+#[test]
 fn times_out_of_order_are_refused() {
     let at = |taken: f64| json!({"x_m": 0, "y_m": 0, "heading_rad": 0, "taken_s": taken});
     let body = json!({"sequence": 5, "epoch": 1, "sent_s": 10.0, "observations": [at(1.0), at(1.0), at(11.0)],
@@ -210,7 +226,7 @@ fn lists_are_limited() {
     assert!(found.contains(&(reason::WRONG_LENGTH.to_owned(), "observations".to_owned())));
     assert!(found.contains(&(reason::WRONG_LENGTH.to_owned(), "deliveries".to_owned())));
     let none = problems(task::Spec::read(br#"{"waypoints": []}"#));
-    assert_eq!(none, pairs(&[(reason::WRONG_LENGTH, "waypoints")]));
+    assert_eq!(none, pairs(&[(reason::INCONSISTENT, "waypoints")]));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Every value of core that the wire allows.
 
-use crate::{Range, robot, step, task};
+use crate::{Range, robot, robot_check, step, task};
 use proptest::prelude::*;
 use proptest::sample::select;
 use umwelt_core::actuation::Playing;
@@ -152,15 +152,38 @@ pub(super) fn task() -> impl Strategy<Value = core_task::Task> {
             .prop_map(|(rotations, angular, rotate, pause, straight)| {
                 core_task::Calibration { rotations, angular, rotate, pause, straight }
             });
+    let check = (
+        within(robot_check::SPEED_SHARE),
+        within(robot_check::REST),
+        within(robot_check::MOTION),
+        within(robot_check::MOTION),
+        within(robot_check::PAUSE),
+    )
+        .prop_map(|(speed, rest, turn, drive, pause)| core_task::Check {
+            speed,
+            rest,
+            turn,
+            drive,
+            pause,
+        });
     (
         prop::collection::vec(point, 1..20),
         within(task::TOLERANCE),
         any::<bool>(),
         prop::option::of(calibration),
         prop::option::of(within(task::MAX_DEVIATION)),
+        prop::option::weighted(0.2, check),
     )
-        .prop_map(|(waypoints, tolerance, reverse, calibration, max_deviation)| {
-            core_task::Task { waypoints, tolerance, reverse, calibration, max_deviation }
+        .prop_map(|(waypoints, tolerance, reverse, calibration, max_deviation, check)| {
+            let is_way = check.is_none();
+            core_task::Task {
+                waypoints: if is_way { waypoints } else { Vec::new() },
+                tolerance,
+                reverse,
+                calibration: calibration.filter(|_| is_way),
+                max_deviation,
+                check,
+            }
         })
 }
 

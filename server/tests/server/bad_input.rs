@@ -114,7 +114,8 @@ async fn a_bad_description_or_task_changes_nothing() {
     let task = json!({"waypoints": [{"x_m": 0, "y_m": 1e9}], "tolerance_m": 0});
     let answer = api.put("/v1/robots/r/task", task).await;
     assert_eq!(answer.fields(), ["waypoints[0].y_m", "tolerance_m"]);
-    assert_eq!(api.put("/v1/robots/r/task", json!({"waypoints": []})).await.code, 400);
+    let nowhere = api.put("/v1/robots/r/task", json!({"waypoints": []})).await;
+    assert_eq!((nowhere.code, nowhere.problem().1.as_str()), (409, "INCONSISTENT"));
     assert_eq!(api.put("/v1/robots/_new", json!({})).await.problem().1, "INVALID_ID");
     assert_eq!(api.state().await, before);
     assert_eq!(api.get("/v1/robots").await.json()["robots"].as_array().unwrap().len(), 1);

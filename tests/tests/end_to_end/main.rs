@@ -33,6 +33,7 @@ fn straight_to(x_m: f64) -> task::Spec {
         reverse: false,
         calibration: None,
         max_deviation_m: None,
+        check: None,
     }
 }
 

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
 mod agreement;
+mod check;
 mod comparison;
 mod faults;
 mod fleet;
@@ -42,6 +43,7 @@ fn straight_to(x: f64) -> Task {
         reverse: false,
         calibration: None,
         max_deviation: None,
+        check: None,
     }
 }
 

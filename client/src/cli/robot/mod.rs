@@ -1,5 +1,6 @@
 //! `umwelt robot`.
 
+mod check;
 mod description;
 
 use super::failure::Failure;
@@ -41,6 +42,9 @@ pub(super) enum Command {
         #[arg(value_name = "ID")]
         robot: RobotId,
     },
+    /// Find what is wrong with a robot or its tracker: it wiggles for some 20 s
+    #[command(after_help = check::HELP)]
+    Check(check::Check),
     /// Remove a robot with its task and what was learned; if it still drives, it ramps to rest
     Remove {
         /// The robot
@@ -122,6 +126,7 @@ impl Command {
                 output.result(&page, list)
             }
             Self::Show { robot } => output.result(&wait(client.get_robot(&robot)).await?, show),
+            Self::Check(check) => check.run(client, output).await,
             Self::Remove { robot } => {
                 wait(client.delete_robot(&robot)).await?;
                 let answer = json!({ "robot": robot, "removed": true });

@@ -8,7 +8,7 @@ use umwelt_client::{Client, Error};
 
 /// Sets the task. The server leaves the very task that the robot has as it is; a caller that sets it again once the robot has
 /// arrived, or says `again`, wants to see it driven once more.
-pub(super) async fn assign(
+pub(in crate::cli) async fn assign(
     client: &Client,
     robot: &RobotId,
     spec: &Spec,

@@ -2,13 +2,14 @@
 
 mod assign;
 
+use super::check_report;
 use super::failure::Failure;
 use super::input;
 use super::output::Output;
 use super::progress::{StatusLine, wait};
 use super::quantity::{self, metres, millimetres};
 use super::table::{Column, Table};
-use assign::assign;
+pub(super) use assign::assign;
 use clap::{Args, Subcommand};
 use serde_json::json;
 use std::path::PathBuf;
@@ -308,6 +309,9 @@ fn status(robot: &Robot, task: &Task) -> String {
 }
 
 fn accepted(task: &Task) -> String {
+    if task.spec.check.is_some() {
+        return format!("{}: a check", task.robot);
+    }
     let calibration = match &task.spec.calibration {
         None => "no calibration".to_owned(),
         Some(Calibration { rotations, straight_m, .. }) => {
@@ -321,6 +325,11 @@ fn accepted(task: &Task) -> String {
 
 fn show(task: &Task) -> String {
     let Task { robot, spec, progress, .. } = task;
+    if spec.check.is_some() {
+        let report = task.check.as_ref();
+        let report = report.map_or_else(String::new, |report| check_report::text(robot, report));
+        return format!("{}, {}\n{report}", accepted(task), quantity::progress(progress));
+    }
     let within =
         spec.tolerance_m.map_or_else(String::new, |m| format!(", within {}", millimetres(m)));
     let reverse = if spec.reverse { ", in reverse where shorter" } else { "" };

@@ -3,6 +3,7 @@
 //! [`Controller::step`] is the whole of it: a pure transition from state and request to state and horizon. The
 //! state can be saved and restored; the same state and requests give the same horizons.
 
+mod checking;
 pub mod compensation;
 mod event;
 mod heard;
@@ -15,6 +16,7 @@ mod record;
 mod saved;
 mod watching;
 
+use crate::check::{Report, Trace};
 use crate::commands::Commands;
 use crate::derived;
 use crate::exchange::{Observation, Request};
@@ -23,7 +25,7 @@ use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Estimates;
 use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
 use crate::settings::Settings;
-use crate::task::{Limit, Progress, Stage, Task};
+use crate::task::{Limit, Progress, Task};
 use crate::time::RobotTime;
 use crate::watch::Watch;
 use compensation::{
@@ -37,6 +39,7 @@ use plan::{Phase, Phases};
 use record::Record;
 pub use saved::Saved;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
@@ -105,6 +108,10 @@ pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     limit: Option<Limit>,
     /// What the robot itself allows.
     heard: Heard,
+    /// What was seen so far of a robot that is being checked.
+    trace: Option<Box<Trace>>,
+    /// What the last check came to.
+    report: Option<Arc<Report>>,
 }
 
 impl Controller {
@@ -137,6 +144,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             healthy_at: None,
             limit: None,
             heard: Heard::default(),
+            trace: None,
+            report: None,
         }
     }
 
@@ -162,8 +171,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let request = &*self.dated(request);
         self.learn(request);
         self.apply_local_limits(request);
-        for observation in &request.observations {
-            self.observe(*observation, events, observer);
+        if self.is_checking() {
+            self.check(request, events);
+        } else {
+            for observation in &request.observations {
+                self.observe(*observation, events, observer);
+            }
         }
         self.watch_age(request.sent, events);
         self.command(request)
@@ -259,7 +272,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// How far the task has got.
     pub fn progress(&self) -> Progress {
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
-        let stage = if legs == 0 { Stage::Idle } else { self.phase.stage() };
+        let stage = self.phase.stage();
         Progress {
             limited_by: self.limit,
             watch: self.watch.state().map(|(alarm, _)| alarm.condition()),

@@ -84,7 +84,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
     /// displacement, and what the wheels do at its end.
-    fn nominal(&self, track: &Track, until: RobotTime) -> (Window, Displacement, WheelSpeeds) {
+    pub(super) fn nominal(
+        &self,
+        track: &Track,
+        until: RobotTime,
+    ) -> (Window, Displacement, WheelSpeeds) {
         let drive = &self.settings.drive;
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
@@ -185,7 +189,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Whether the robot was at rest at `time`: zero was played for three slots before, by its reports where there are any,
     /// and it was not seen to move meanwhile. A tracker whose noise no one knows may show motion for ever: after a second
     /// at zero it rests.
-    fn was_at_rest(&self, time: RobotTime) -> bool {
+    pub(super) fn was_at_rest(&self, time: RobotTime) -> bool {
         let slot = self.settings.slot;
         let is_still = self.track.is_none_or(|track| {
             time - track.still.taken >= f64::from(REST_SLOTS) * slot - SAME_TIME

@@ -11,9 +11,10 @@ use crate::settings::Settings;
 use crate::task::Task;
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
-    /// Sets a task, which replaces the one there is; it begins at the next step. At least one waypoint.
+    /// Sets a task, which replaces the one there is; it begins at the next step.
     pub fn set_task(&mut self, task: Task) {
-        self.phase = if task.waypoints.is_empty() { Phase::Idle } else { Phase::first(&task) };
+        self.phase = Phase::first(&task);
+        (self.trace, self.report) = (Self::trace_of(&self.settings, Some(&task)), None);
         self.phases.clear();
         self.record = Record::default();
         self.watch.resume();
@@ -24,6 +25,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Drops the task; the robot ramps to rest.
     pub fn cancel_task(&mut self) {
         self.task = None;
+        (self.trace, self.report) = (None, None);
         self.phase = Phase::Idle;
         self.phases.clear();
         self.record = Record::default();
@@ -68,6 +70,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.record.restart_clock();
         self.watch.restart_clock();
         self.heard = Heard::default();
+        self.check_anew();
         (self.healthy, self.healthy_at, self.limit) = (None, None, None);
     }
 
@@ -93,6 +96,10 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
         self.settings = settings;
         self.follow_link();
+        if self.trace.is_some() {
+            self.trace = Self::trace_of(&self.settings, self.task.as_ref());
+        }
+        self.check_anew();
         self.limit = None;
         self.phases.clear();
     }

@@ -6,6 +6,7 @@ use crate::kinematics;
 use crate::local::LocalLimits;
 use crate::prediction::Motion;
 use crate::settings::{Method, Prior};
+use crate::task::Stage;
 use arrayvec::ArrayVec;
 use proptest::prelude::*;
 

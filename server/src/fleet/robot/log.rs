@@ -5,6 +5,7 @@
 use umwelt_api::RobotId;
 use umwelt_api::event::Kind;
 use umwelt_api::robot::State;
+use umwelt_core::check::Report;
 
 /// Says what happened to a robot by itself.
 pub(super) fn change(robot: &RobotId, kind: &Kind) {
@@ -28,6 +29,17 @@ pub(super) fn change(robot: &RobotId, kind: &Kind) {
             tracing::info!(%robot, state = state.name(), "watch released robot");
         }
         _ => {}
+    }
+}
+
+/// Says what a check of the robot came to.
+pub(super) fn checked(robot: &RobotId, report: &Report) {
+    if report.is_well() {
+        tracing::info!(%robot, "robot checked: all is well");
+    }
+    for finding in &report.findings {
+        let (fault, seen, remedy) = (finding.fault().name(), finding.seen(), finding.remedy());
+        tracing::warn!(%robot, fault, seen, remedy, "robot checked: something is wrong");
     }
 }
 

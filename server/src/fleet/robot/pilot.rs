@@ -295,6 +295,11 @@ impl Pilot {
     fn show(&mut self) {
         let shown = &mut self.shown;
         shown.progress = self.controller.progress();
+        let report = self.controller.report();
+        if let Some(report) = report.filter(|_| shown.report.is_none()) {
+            log::checked(&self.id, report);
+        }
+        shown.report = report.cloned();
         shown.watch(self.controller.watch_state());
         shown.stopped = self.controller.is_stopped();
         shown.limits = self.controller.local_limits();

@@ -11,9 +11,11 @@ use umwelt_api::RobotId;
 use umwelt_api::environment::{self, Environment};
 use umwelt_api::prior::Source;
 use umwelt_api::robot::{Description, Pose, Robot, Spec, State};
+use umwelt_api::robot_check;
 use umwelt_api::step::TaggedDrive;
 use umwelt_api::task;
 use umwelt_api::watch::Watch;
+use umwelt_core::check::Report;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::identification::estimate;
@@ -80,6 +82,8 @@ pub(crate) struct Snapshot {
     pub(super) assigned: Option<Assigned>,
     pub(super) progress: Progress,
     pub(super) state: State,
+    /// What the last check came to.
+    pub(super) report: Option<Arc<Report>>,
     /// When the last step came.
     pub(super) seen: Option<Instant>,
     pub(super) stopped: bool,
@@ -113,6 +117,7 @@ impl Snapshot {
             described,
             assigned: task,
             progress: controller.progress(),
+            report: controller.report().cloned(),
             state: State::Never,
             seen: None,
             stopped: controller.is_stopped(),
@@ -297,6 +302,7 @@ impl Snapshot {
             spec: (&*assigned.task).into(),
             progress: self.progress.into(),
             etag: assigned.etag.to_string(),
+            check: self.report.as_deref().map(robot_check::Report::from),
         })
     }
 

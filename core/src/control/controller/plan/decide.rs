@@ -4,6 +4,7 @@ use super::super::compensation::PathFollower;
 use super::approach::{Approach, STRAY, heading_error};
 use super::phase::{Phase, REST_SLOTS};
 use super::roll::Roll;
+use crate::check::{Part, Wiggle};
 use crate::geometry::{Displacement, Pose, Twist, length};
 use crate::steering;
 use crate::task::{Limit, Task};
@@ -27,6 +28,7 @@ impl<F: PathFollower> Roll<'_, F> {
             let before = self.state.phase;
             let desired = match before {
                 Phase::Idle | Phase::Settling | Phase::Arrived => Some(Twist::ZERO),
+                Phase::Checking { part, since } => self.wiggle(task, part, since),
                 Phase::Calibrating { turn, since } => self.rotate(task, turn, since),
                 Phase::Straight { outbound, origin, since } => {
                     self.straight(task, outbound, origin, since)
@@ -45,6 +47,22 @@ impl<F: PathFollower> Roll<'_, F> {
     /// Whether `seconds` have passed since `since`.
     fn has_passed(&self, since: RobotTime, seconds: f64) -> bool {
         self.state.time - since >= seconds - SAME_TIME
+    }
+
+    /// The part of a check's wiggle; at rest after the last.
+    fn wiggle(&mut self, task: &Task, part: u32, since: Option<RobotTime>) -> Option<Twist> {
+        let wiggle = task.check.map(|check| Wiggle::new(check, &self.settings.drive));
+        let Some(Part { twist, duration }) = wiggle.and_then(|wiggle| wiggle.part(part)) else {
+            return Some(Twist::ZERO);
+        };
+        let has_begun = twist != Twist::ZERO || self.rests();
+        let since = since.or_else(|| has_begun.then_some(self.state.time));
+        if since.is_some_and(|since| self.has_passed(since, duration)) {
+            self.state.phase = Phase::Checking { part: part + 1, since: None };
+            return None;
+        }
+        self.state.phase = Phase::Checking { part, since };
+        Some(twist)
     }
 
     fn rotate(&mut self, task: &Task, turn: u32, since: Option<RobotTime>) -> Option<Twist> {

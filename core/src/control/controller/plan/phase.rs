@@ -17,6 +17,8 @@ pub enum Phase {
     /// No task, or it was cancelled.
     #[default]
     Idle,
+    /// At this part of a check's wiggle, since `since`: of a rest, since zero is commanded.
+    Checking { part: u32, since: Option<RobotTime> },
     /// Rotating and stopping for the `turn`th time, since `since`.
     Calibrating { turn: u32, since: Option<RobotTime> },
     /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
@@ -37,6 +39,8 @@ impl Phase {
     /// The first phase of a task.
     pub fn first(task: &Task) -> Self {
         match task.calibration {
+            _ if task.check.is_some() => Self::Checking { part: 0, since: None },
+            _ if task.waypoints.is_empty() => Self::Idle,
             Some(_) => Self::Calibrating { turn: 0, since: None },
             None => Self::Settling,
         }
@@ -57,6 +61,8 @@ impl Phase {
         match self {
             Self::Driving { leg } | Self::Turning { leg, .. } => Self::Turning { leg, side: 0 },
             Self::Stopping { leg, .. } => Self::Stopping { leg, since: None },
+            // Its parts mean nothing without those before them.
+            Self::Checking { .. } => Self::Checking { part: 0, since: None },
             Self::Calibrating { turn, .. } => Self::Calibrating { turn, since: None },
             Self::Straight { outbound, origin, .. } => {
                 Self::Straight { outbound, origin, since: None }
@@ -69,7 +75,9 @@ impl Phase {
     pub fn stage(self) -> Stage {
         match self {
             Self::Idle => Stage::Idle,
-            Self::Calibrating { .. } | Self::Straight { .. } => Stage::Calibrating,
+            Self::Checking { .. } | Self::Calibrating { .. } | Self::Straight { .. } => {
+                Stage::Calibrating
+            }
             Self::Turning { .. } => Stage::Turning,
             Self::Driving { .. } => Stage::Driving,
             Self::Settling | Self::Stopping { .. } => Stage::Stopping,

@@ -106,7 +106,9 @@ impl<F: PathFollower> Roll<'_, F> {
         if is_slower(full, desired) && self.limit.is_some() {
             self.limit = Some(Limit::Acceleration);
         }
-        if full == Twist::ZERO || self.is_sure() {
+        // A check is open loop: how sure the pose is does not matter to it.
+        let is_open = matches!(self.state.phase, Phase::Checking { .. });
+        if full == Twist::ZERO || is_open || self.is_sure() {
             return fastest;
         }
         self.limit = self.limit.map(|_| Limit::Variance);

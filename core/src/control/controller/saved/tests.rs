@@ -194,3 +194,25 @@ fn what_was_saved_under_other_settings_or_another_task_is_not_taken_up() {
     let idle = Controller::new(settings).saved();
     assert!(idle.fits(&settings, None) && !idle.fits(&settings, Some(&Task::thesis())));
 }
+
+/// A check begins anew after a restart, wherever it was; nothing of it is another task's.
+#[test]
+fn a_check_begins_anew() {
+    let (settings, check) = (Settings::default(), Task::checking(Default::default()));
+    let mut controller = Controller::new(settings);
+    controller.set_task(check.clone());
+    let mut robot = Robot::new();
+    for _ in 0..200 {
+        robot.step(&mut controller);
+    }
+    assert!(robot.pose.heading.radians().abs() > 0.1, "it wiggles");
+    let json = serde_json::to_string(&controller.saved()).unwrap();
+    let saved: Saved = serde_json::from_str(&json).unwrap();
+    assert!(!saved.fits(&settings, Some(&Task::thesis())) && !saved.fits(&settings, None));
+    assert!(!begun().saved().fits(&settings, Some(&check)));
+    let mut restored = Controller::restore(settings, Some(check), false, saved).unwrap();
+    let mut robot = robot.restarted();
+    let events = robot.until(&mut restored, |controller| controller.has_arrived());
+    assert_eq!(events, [Event::Arrived]);
+    assert!(restored.report().is_some_and(|report| report.numbers.span > 20.0));
+}

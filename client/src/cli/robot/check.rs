@@ -1,0 +1,229 @@
+//! `umwelt robot check`: the robot wiggles, and what is wrong with it or its tracker is said.
+
+use super::super::check_report;
+use super::super::failure::Failure;
+use super::super::output::Output;
+use super::super::progress::{StatusLine, say, wait};
+use super::super::quantity::{self, metres};
+use super::super::task::assign;
+use clap::Args;
+use serde_json::json;
+use std::time::Duration;
+use tokio::time::{Instant, MissedTickBehavior, interval};
+use umwelt_api::RobotId;
+use umwelt_api::robot::{Robot, State};
+use umwelt_api::robot_check::{Report, Wiggle};
+use umwelt_api::task::{Spec, Stage, Task};
+use umwelt_client::{Client, Error};
+
+/// How often it is asked how far the check is.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Times the planned duration after which nothing comes of it any more: the robot ends by itself before.
+const LONGEST: f64 = 4.0;
+
+/// Times the length of a drive that is to be free around the robot, beside the robot itself.
+const ROOM: f64 = 2.0;
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct Check {
+    /// The robot
+    #[arg(value_name = "ID")]
+    robot: RobotId,
+    /// Check it although it has a task under way, which is given up
+    #[arg(long)]
+    replace_task: bool,
+}
+
+pub(super) const HELP: &str = "\
+The robot turns left and right and drives a short way forward and back, for some 20 s. Before it starts, the room that it
+needs is said. Nothing is learned of the floor. Ctrl-C brings the robot to rest.
+
+The exit status is 0 where all is well and 1 where something is wrong; --json prints the report. docs/check.md lists what
+may be found.
+
+Examples:
+  umwelt robot check rover-7
+  umwelt --json robot check rover-7 | jq '.findings[].name'";
+
+impl Check {
+    pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
+        let id = &self.robot;
+        let robot = wait(client.get_robot(id)).await?;
+        if let Some(reason) = self.refusal(&robot) {
+            return Err(Failure::Failed(format!("{id} is not checked: {reason}")));
+        }
+        let wiggle = Wiggle::default();
+        say(&announcement(&robot, &wiggle));
+        let task = wait(assign(client, id, &spec(wiggle)?, true)).await?;
+        let duration = wiggle.duration_s(&robot.spec.drive);
+        let report = tokio::select! {
+            ended = follow(client, &task, duration) => ended,
+            _ = tokio::signal::ctrl_c() => Err(Failure::Failed("the check was broken off".to_owned())),
+        };
+        let report = match report {
+            Ok(report) => report,
+            Err(failure) => {
+                // Only this one: another task that was set meanwhile is not cancelled. It may have gone already.
+                let _ = wait(client.if_match(&task.etag).cancel_task(id)).await;
+                return Err(failure);
+            }
+        };
+        output.result(&report, |report| check_report::text(id, report))?;
+        match report.findings.len() {
+            0 => Ok(()),
+            1 => Err(Failure::Failed(format!("one thing is wrong with {id} or its tracker"))),
+            count => {
+                Err(Failure::Failed(format!("{count} things are wrong with {id} or its tracker")))
+            }
+        }
+    }
+
+    /// Why the robot is not to be moved now, and what to do about it.
+    fn refusal(&self, robot: &Robot) -> Option<String> {
+        let id = &self.robot;
+        let presence = quantity::presence(robot);
+        match robot.state {
+            State::Never => {
+                return Some(format!(
+                    "it was never seen; start its agent: umwelt-agent --robot {id} --drive pipe"
+                ));
+            }
+            State::Lost => return Some(format!("it is {presence}; see the log of its agent")),
+            State::Failed => return Some(format!("it is {presence}; see the log of the server")),
+            State::Connected => {}
+        }
+        if robot.stopped {
+            return Some(format!("it is stopped; umwelt resume {id} lets it go"));
+        }
+        if robot.held {
+            return Some("it is held by itself; let it go where it says hold".to_owned());
+        }
+        let under_way = robot.task.as_ref().filter(|task| {
+            !matches!(task.stage, Stage::Idle | Stage::Arrived) && !self.replace_task
+        });
+        under_way.map(|task| {
+            let doing = quantity::short_progress(task);
+            format!("it has a task under way ({doing}); --replace-task gives that up")
+        })
+    }
+}
+
+/// The task that is this check, as the contract fills it in.
+fn spec(wiggle: Wiggle) -> Result<Spec, Failure> {
+    let spec = json!({ "waypoints": [], "check": wiggle });
+    serde_json::from_value(spec).map_err(|error| Failure::Failed(format!("no check: {error}")))
+}
+
+/// What the robot is about to do, and how much room it needs.
+fn announcement(robot: &Robot, wiggle: &Wiggle) -> String {
+    let Robot { robot: id, spec, .. } = robot;
+    let drive = &spec.drive;
+    let (length, turn) = (wiggle.length_m(drive), wiggle.turn_rad(drive));
+    let room = ROOM * length + drive.track_width_m;
+    format!(
+        "{id} rests for {:.0} s, then turns left and right by {turn:.2} rad and drives {} forward and back, for {:.0} s in \
+         all.\nKeep {:.1} m around it free and in sight of the tracker. Ctrl-C brings it to rest.",
+        wiggle.rest_s,
+        metres(length),
+        wiggle.duration_s(drive),
+        (10.0 * room).ceil() / 10.0,
+    )
+}
+
+/// Follows the check to its end.
+async fn follow(client: &Client, task: &Task, duration: f64) -> Result<Report, Failure> {
+    let id = &task.robot;
+    let mut line = StatusLine::new();
+    let mut looks = interval(LOOK);
+    looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let begun = Instant::now();
+    loop {
+        looks.tick().await;
+        let elapsed = begun.elapsed().as_secs_f64();
+        let late = elapsed > LONGEST * duration;
+        match look(client, id).await {
+            Ok((now, _)) if now.etag != task.etag => {
+                return Err(Failure::Failed(format!("{id} was given another task meanwhile")));
+            }
+            Ok((now, _)) if now.progress.stage == Stage::Arrived => {
+                line.clear();
+                return now.check.ok_or_else(|| {
+                    Failure::Failed(
+                        "the report is lost: the server was restarted; check again".to_owned(),
+                    )
+                });
+            }
+            Ok((_, robot)) if robot.stopped => {
+                return Err(Failure::Failed(format!("{id} was stopped; the check is given up")));
+            }
+            Ok((_, robot)) if late => {
+                let presence = quantity::presence(&robot);
+                return Err(Failure::Failed(format!("{id} does not come to an end: {presence}")));
+            }
+            Ok((_, robot)) => {
+                let presence = quantity::presence(&robot);
+                line.show(
+                    &presence,
+                    &format!("{id}: {presence}, {elapsed:.0} s of some {duration:.0} s"),
+                );
+            }
+            Err(error) if error.is_transient() && !late => {
+                line.show("no answer", &format!("still trying: {error}"));
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+}
+
+async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> {
+    let (task, robot) = tokio::join!(client.get_task(robot), client.get_robot(robot));
+    Ok((task?, robot?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot(more: serde_json::Value) -> Robot {
+        let mut robot = json!({"robot": "a", "spec": {}, "state": "connected", "last_seen_s_ago": 0.1,
+            "stopped": false, "pose": null, "task": null, "epoch": 4, "loop_delay_median_s": null, "etag": "x"});
+        for (name, value) in more.as_object().unwrap() {
+            robot[name] = value.clone();
+        }
+        serde_json::from_value(robot).unwrap()
+    }
+
+    fn refusal(more: serde_json::Value, replace_task: bool) -> Option<String> {
+        Check { robot: "a".parse().unwrap(), replace_task }.refusal(&robot(more))
+    }
+
+    #[test]
+    fn a_robot_that_is_not_to_move_is_refused_with_a_remedy() {
+        assert_eq!(refusal(json!({}), false), None);
+        for (more, remedy) in [
+            (json!({"state": "never"}), "start its agent"),
+            (json!({"state": "lost"}), "log of its agent"),
+            (json!({"state": "failed"}), "log of the server"),
+            (json!({"stopped": true}), "umwelt resume a"),
+            (json!({"held": true}), "let it go"),
+        ] {
+            let said = refusal(more.clone(), true).unwrap_or_default();
+            assert!(said.contains(remedy), "{more}: {said}");
+        }
+        let task = |stage: &str| {
+            json!({"task": {"stage": stage, "leg": 0, "legs": 1, "deviation_m": 0.0,
+                "max_deviation_m": 0.0, "elapsed_s": 0.0}})
+        };
+        assert!(refusal(task("driving"), false).is_some_and(|it| it.contains("--replace-task")));
+        assert_eq!(refusal(task("driving"), true), None);
+        assert_eq!(refusal(task("arrived"), false), None);
+    }
+
+    #[test]
+    fn the_room_is_said_before_the_robot_moves() {
+        let said = announcement(&robot(json!({})), &Wiggle::default());
+        assert!(said.contains("drives 0.109 m forward and back, for 20 s in all"), "{said}");
+        assert!(said.contains("Keep 0.4 m around it free and in sight"), "{said}");
+    }
+}
