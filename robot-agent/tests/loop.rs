@@ -12,6 +12,7 @@ use umwelt_agent::drive::Sim;
 use umwelt_agent::{AgentError, Clock, Config, Ended, Report, Status, Told, TraceRow, run};
 use umwelt_client::api;
 use umwelt_core::episode::Scenario;
+use umwelt_core::exchange::{IN_FLIGHT, MAX_IN_FLIGHT};
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::horizon::SLOT;
 use umwelt_core::kinematics::{Drive, forward};
@@ -345,7 +346,7 @@ async fn a_server_that_is_gone_for_a_while_is_found_again() {
 
 /// Whatever the server's delay, no connection carries more than four requests, and old ones are closed.
 #[tokio::test(start_paused = true)]
-async fn at_most_four_requests_are_in_flight_on_a_connection() {
+async fn few_requests_are_in_flight_on_a_connection() {
     let mut scenario = scenario(LinkModel::ordinary(Rtt::Constant(0.0)));
     scenario.time_limit = 20.0;
     for delay in [0.0, 0.05, 0.2, 0.7, 3.0, 1e6] {
@@ -354,7 +355,9 @@ async fn at_most_four_requests_are_in_flight_on_a_connection() {
         let run = Run::start(&scenario, &server, 1);
         assert_eq!(run.handle.await.unwrap().unwrap().ended, Ended::Duration);
         let (in_flight, connections) = server.most();
-        assert!((1..=4).contains(&in_flight), "{in_flight} in flight on one connection");
+        // One per slot of the round trip, once that is known.
+        let most = if delay < 0.1 { IN_FLIGHT } else { MAX_IN_FLIGHT };
+        assert!((1..=most as u64).contains(&in_flight), "{in_flight} in flight, {delay} s");
         // three, and for a moment one that is being closed
         assert!((1..=4).contains(&connections), "{connections} connections at a time");
     }

@@ -16,7 +16,7 @@ use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::local::LocalLimits;
-use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::settings::{FollowsLink, PoseNoise, Settings};
 use umwelt_core::task as core_task;
 use umwelt_core::time::RobotTime;
 use umwelt_core::watch::Condition;
@@ -109,7 +109,9 @@ fn pairs(expected: &[(&str, &str)]) -> Vec<(String, String)> {
 fn the_defaults_are_cores_and_pass() {
     let (said, settings) = robot::Description::read_known(b"{}", prior::built_in).unwrap();
     assert_eq!((said, robot::Spec::from_core(&settings, Some("default"))), Default::default());
-    assert_eq!(settings, Settings { slots: 40, noise: PoseNoise::CAMERA, ..Settings::default() });
+    let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
+    let noise = PoseNoise::CAMERA;
+    assert_eq!(settings, Settings { slots: 40, noise, follows_link, ..Settings::default() });
     let thesis = core_task::Task::thesis();
     assert_eq!(Checked::new(task::Spec::from(&thesis)).unwrap().to_core(9.0), thesis);
 }

@@ -44,6 +44,9 @@ use std::sync::Arc;
 /// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
 
+/// A change of the loop delay in s that is more than the jitter of a link.
+const OTHER_DELAY: f64 = 2.0 * SLOT;
+
 /// Step in s in which an identified loop delay is followed.
 const DELAY_STEP: f64 = 0.01;
 
@@ -85,6 +88,8 @@ pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     settings: Settings,
     /// The settings as they are over the link as it is identified.
     acting: Settings,
+    /// When the first plan for the loop delay as it is known now begins; none before there is one.
+    teaches_from: Option<RobotTime>,
     compensation: Compensation<E, D, F>,
     /// Whether the [watch](crate::watch) looks after the robot.
     is_watched: bool,
@@ -131,6 +136,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
             acting: settings,
+            teaches_from: Some(RobotTime::BEFORE_ALL),
             commands: Commands::default(),
             track: None,
             rejected: None,
@@ -230,11 +236,17 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Plans for the link as it is identified, as far as it is not described.
     fn follow_link(&mut self) {
         let median = self.belief.link.median().filter(|_| self.settings.follows_link.loop_delay);
+        let before = self.acting.loop_delay;
         self.acting = median.map_or(self.settings, |median| {
             // What differs by less matters to no one, and plans that begin at other times are other plans.
             let loop_delay = (median / DELAY_STEP).ceil() * DELAY_STEP;
             derived::over_link(&self.settings, loop_delay.min(MAX_AHEAD))
         });
+        // What was sent for another delay was not played when that was thought: it says nothing of the floor.
+        if (self.acting.loop_delay - before).abs() > OTHER_DELAY {
+            self.teaches_from = None;
+            self.take_back();
+        }
     }
 
     /// Takes in what the robot itself allows. Where it came to rest on its own, the plan begins anew from there, with a turn

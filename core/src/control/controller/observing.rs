@@ -142,7 +142,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     ) -> Window {
         let Settings { drive, noise, attribution, .. } = self.settings;
         let start = window.start.taken;
-        if self.heard.was_away(start, end.taken) {
+        let is_taught = self.teaches_from.is_some_and(|from| start >= from);
+        if !is_taught || self.heard.was_away(start, end.taken) {
             return Window::new(*end);
         }
         if end.taken - track.last.taken > MAX_GAP {

@@ -9,6 +9,7 @@ use crate::identification::Belief;
 use crate::local::LocalLimits;
 use crate::settings::Settings;
 use crate::task::Task;
+use crate::time::RobotTime;
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Sets a task, which replaces the one there is; it begins at the next step.
@@ -70,6 +71,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.record.restart_clock();
         self.watch.restart_clock();
         self.heard = Heard::default();
+        self.teaches_from = Some(RobotTime::BEFORE_ALL);
         self.check_anew();
         (self.healthy, self.healthy_at, self.limit) = (None, None, None);
     }

@@ -39,6 +39,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let taken = track.last.taken;
         let begins = soonest.later(taken + loop_delay);
         let since_change = self.enter_phase(newest, begins);
+        self.teaches_from.get_or_insert(begins);
 
         let model = self.compensation.estimator.error_model(&self.belief, track.last.pose);
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);

@@ -138,8 +138,14 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
                 | Alarm::FrameMismatch { .. }
                 | Alarm::Raised { .. }
         );
-        if taught_nothing && let Some([channels, _]) = self.healthy {
-            // What was learned since the robot last moved as commanded says nothing of its floor.
+        if taught_nothing {
+            self.take_back();
+        }
+    }
+
+    /// Takes back what was learned since the robot last moved as commanded: it says nothing of its floor.
+    pub(super) fn take_back(&mut self) {
+        if let Some([channels, _]) = self.healthy {
             self.belief.restore(channels);
             if let Some(track) = &mut self.track {
                 track.window = Window::new(track.last);

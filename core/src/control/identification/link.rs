@@ -41,7 +41,7 @@ pub struct LinkBelief {
     /// ln of the loop delay in s, of the recent packets neither late nor held back.
     ln_delay: NormalInverseChiSquared,
     /// The recent deliveries that were not held back, oldest first.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
     recent: VecDeque<Recent>,
     late: BetaBernoulli,
     deliveries: u64,
