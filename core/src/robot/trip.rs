@@ -7,14 +7,17 @@ use crate::time::RobotTime;
 /// Requests in flight on one connection of an ordinary link: they cover the nominal loop of 100 ms at one per slot.
 pub const IN_FLIGHT: usize = 4;
 
-/// Most requests in flight on one connection: at a round trip of 1 s one every 60 ms.
+/// Most requests in flight on one connection: at a round trip of 0.56 s and more.
 pub const MAX_IN_FLIGHT: usize = 16;
 
-/// A connection whose oldest request waits longer than this many s, and than [`STALL_TRIPS`], has stalled.
+/// On an ordinary link a connection has stalled whose oldest request waits longer than this many s.
 pub const STALL: f64 = 0.25;
 
-/// Round trips after which a connection has stalled.
-const STALL_TRIPS: f64 = 2.0;
+/// Round trip in s up to which a link is an ordinary one.
+const ORDINARY: f64 = 0.2;
+
+/// Time in s by which a request may wait longer per s that the round trip is longer.
+const PATIENCE: f64 = 2.0;
 
 /// Longest round trip in s that counts: beyond it no link is controlled by.
 const LONGEST: f64 = 2.0;
@@ -43,12 +46,17 @@ impl Trip {
 
     /// Time in s that the oldest request on a connection may wait before that has stalled.
     pub(super) fn stall(&self) -> f64 {
-        most(STALL, STALL_TRIPS * self.median)
+        STALL + PATIENCE * self.beyond()
     }
 
-    /// Requests that may be in flight on one connection: one per slot of the round trip.
+    /// Time in s by which the round trip is longer than that of an ordinary link.
+    fn beyond(&self) -> f64 {
+        most(0.0, self.median - ORDINARY)
+    }
+
+    /// Requests that may be in flight on one connection: one more per slot that the round trip is longer.
     pub(super) fn most_in_flight(&self) -> usize {
-        ((self.median / SLOT) as usize).clamp(IN_FLIGHT, MAX_IN_FLIGHT)
+        (IN_FLIGHT + (self.beyond() / SLOT) as usize).min(MAX_IN_FLIGHT)
     }
 
     /// A reply came at `now` to a request sent at `sent`.
@@ -81,7 +89,7 @@ mod tests {
 
     #[test]
     fn an_ordinary_link_has_four_in_flight_and_a_quarter_of_a_second() {
-        for trip in [0.0, 0.01, 0.1, 0.12] {
+        for trip in [0.0, 0.01, 0.1, 0.19] {
             let known = after(100, |_| trip);
             assert_eq!((known.most_in_flight(), known.stall()), (IN_FLIGHT, STALL), "{trip}");
         }
@@ -92,7 +100,7 @@ mod tests {
     fn a_slow_link_has_more_in_flight_and_more_patience() {
         let known = after(30, |_| 0.7);
         assert_eq!(known.most_in_flight(), MAX_IN_FLIGHT);
-        assert!((known.stall() - 1.4).abs() < 1e-9);
+        assert!((known.stall() - 1.25).abs() < 1e-9);
         let back = after(130, |i| if i < 60 { 0.7 } else { 0.05 });
         assert_eq!((back.most_in_flight(), back.stall()), (IN_FLIGHT, STALL));
     }

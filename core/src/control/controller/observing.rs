@@ -8,7 +8,7 @@ use crate::exchange::Observation;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::identification::{SampleObserver, Verdict, Window};
 use crate::kinematics;
-use crate::settings::{Attribution, Settings};
+use crate::settings::{Attribution, FollowsLink, Settings};
 use crate::time::RobotTime;
 
 /// A gap between poses in s, beyond which a window of motion begins anew.
@@ -189,13 +189,14 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// Whether the robot was at rest at `time`: zero was played for three slots before, by its reports where there are any,
     /// and it was not seen to move meanwhile. A tracker whose noise no one knows may show motion for ever: after a second
-    /// at zero it rests.
+    /// at zero it rests. Where all timing is described, as in the thesis, its reports are believed.
     pub(super) fn was_at_rest(&self, time: RobotTime) -> bool {
         let slot = self.settings.slot;
         let is_still = self.track.is_none_or(|track| {
             time - track.still.taken >= f64::from(REST_SLOTS) * slot - SAME_TIME
         });
-        let slots = if is_still || !self.is_watched { REST_SLOTS } else { SURE_REST_SLOTS };
+        let is_judged = self.is_watched && self.settings.follows_link != FollowsLink::default();
+        let slots = if is_still || !is_judged { REST_SLOTS } else { SURE_REST_SLOTS };
         let drive = &self.settings.drive;
         (0..slots).all(|slots| {
             let then = time - drive.dead_time - f64::from(slots) * slot;

@@ -19,6 +19,9 @@ const FRESH: f64 = 0.15;
 /// A pause in s after which a phase is taken up again rather than gone on with.
 const PAUSE: f64 = 1.0;
 
+/// Part of the variance limits up to which the noise of a pose is next to nothing.
+const SMALL_NOISE: f64 = 0.01;
+
 /// Times that differ by less than this part of a slot are the same slot boundary.
 const SAME_SLOT: f64 = 1e-6;
 
@@ -104,6 +107,16 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if is_within && whole < last as f64 { within * slot } else { slot }
     }
 
+    /// The noise of the pose as the variance rule reckons with it. The rule judges what motion adds: the tracker's noise is
+    /// there at any speed, and slowing down for it would only make it more per metre. Noise that is next to nothing beside
+    /// the limits stays in, as those have it who publish methods.
+    fn judged_noise(&self) -> PoseNoise {
+        let Settings { noise, variance, .. } = self.settings;
+        let is_small = noise.position * noise.position <= SMALL_NOISE * variance.position
+            && noise.heading * noise.heading <= SMALL_NOISE * variance.heading;
+        if is_small { noise } else { PoseNoise::NONE }
+    }
+
     /// The pose at the start of the horizon, and what the wheels do then.
     pub(super) fn predict(
         &self,
@@ -114,9 +127,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     ) -> (Prediction, WheelSpeeds) {
         let Settings { drive, predictor, .. } = &self.settings;
         let pose = track.last.pose;
-        // The variance rule judges what motion adds: the tracker's noise is there at any speed, and slowing down for it
-        // would only make it more per metre.
-        let exact = PoseNoise::default();
+        let exact = self.judged_noise();
         let (mut prediction, mut pieces) = match *predictor {
             PredictorKind::Moments => (Prediction::moments(pose, exact), Pieces::gathered()),
             PredictorKind::MonteCarlo { agents, cell, seed } => {
