@@ -73,6 +73,8 @@ struct Track {
     interval: f64,
     /// The pose from which the robot was not seen to move since.
     still: Observation,
+    /// When it began.
+    began: RobotTime,
 }
 
 /// Poses that are set aside for now: the last one and how many in a row agree.
@@ -321,7 +323,14 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 impl Track {
     fn new(observation: Observation, wheels: WheelSpeeds) -> Self {
         let window = Window::new(observation);
-        Self { last: observation, wheels, window, interval: SLOT, still: observation }
+        Self {
+            last: observation,
+            wheels,
+            window,
+            interval: SLOT,
+            still: observation,
+            began: observation.taken,
+        }
     }
 }
 

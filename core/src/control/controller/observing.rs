@@ -74,7 +74,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             let pose = self.compensation.estimator.filter_pose(taken, pose, predicted, moved);
             let last = Observation { pose, taken };
             let still = if self.has_moved(track.still.pose, pose) { last } else { track.still };
-            self.track = Some(Track { last, wheels, window, interval, still });
+            self.track = Some(Track { last, wheels, window, interval, still, ..track });
             self.watch_step(track.last, observation, predicted, moved, events);
         }
         self.rejected = None;
@@ -192,11 +192,17 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// at zero it rests. Where all timing is described, as in the thesis, its reports are believed.
     pub(super) fn was_at_rest(&self, time: RobotTime) -> bool {
         let slot = self.settings.slot;
-        let is_still = self.track.is_none_or(|track| {
-            time - track.still.taken >= f64::from(REST_SLOTS) * slot - SAME_TIME
-        });
+        let has_passed =
+            |since: RobotTime, slots: u32| time - since >= f64::from(slots) * slot - SAME_TIME;
+        let is_still = self.track.is_none_or(|track| has_passed(track.still.taken, REST_SLOTS));
         let is_judged = self.is_watched && self.settings.follows_link != FollowsLink::default();
-        let slots = if is_still || !is_judged { REST_SLOTS } else { SURE_REST_SLOTS };
+        let slots = if is_still || !is_judged {
+            REST_SLOTS
+        } else if self.track.is_some_and(|track| has_passed(track.began, SURE_REST_SLOTS)) {
+            SURE_REST_SLOTS
+        } else {
+            return false;
+        };
         let drive = &self.settings.drive;
         (0..slots).all(|slots| {
             let then = time - drive.dead_time - f64::from(slots) * slot;
