@@ -113,19 +113,19 @@ struct CalibrationFlags {
         ]
     )]
     no_calibration: bool,
-    /// Length of the straight part, forward and back; 0 where there is no room
+    /// Length of the straight part, forward and back; 0 where there is no room [default: 0.3]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     calibration_straight: Option<f64>,
-    /// How often the robot turns, alternately left and right
+    /// How often the robot turns, alternately left and right [default: 10]
     #[arg(long, value_name = "N")]
     calibration_rotations: Option<u32>,
-    /// Angular velocity of the turns
+    /// Angular velocity of the turns [default: 0.8]
     #[arg(long, value_name = "RAD/S", allow_negative_numbers = true)]
     calibration_turn: Option<f64>,
-    /// Time of each turn
+    /// Time of each turn [default: 0.9]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     calibration_rotate: Option<f64>,
-    /// Rest after each turn
+    /// Rest after each turn [default: 0.3]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     calibration_pause: Option<f64>,
 }
