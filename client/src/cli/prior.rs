@@ -66,7 +66,7 @@ impl Command {
                 let spec = spec(&file)?;
                 let prior = wait(client.put_prior(&prior, &spec)).await?;
                 output.result(&prior, |it| {
-                    format!("{0} is put; use it: umwelt robot add ID --prior {0}", it.prior)
+                    format!("{0} is put; use it: umwelt robot set ID --prior {0}", it.prior)
                 })
             }
             Self::Remove { prior } => {

@@ -176,7 +176,7 @@ fn search(spec: &Spec) -> String {
 /// Under what name the champion is kept.
 fn kept(evolution: &Evolution) -> String {
     match (&evolution.outcome.prior, &evolution.spec.prior) {
-        (Some(name), _) => format!("{name}; use it: umwelt robot add ID --prior {name}"),
+        (Some(name), _) => format!("{name}; use it: umwelt robot set ID --prior {name}"),
         (None, Some(name)) if !evolution.state.has_ended() => {
             format!("{name}, once there is a champion")
         }

@@ -126,7 +126,7 @@ evolution-12: queued, waiting for its turn
     };
     let text = EvolutionKind::show(&succeeded);
     assert!(text.contains("resumed after 2 restarts of the server"), "{text}");
-    assert!(text.contains("mine; use it: umwelt robot add ID --prior mine"), "{text}");
+    assert!(text.contains("mine; use it: umwelt robot set ID --prior mine"), "{text}");
     assert!(text.contains("VERDICT"), "{text}");
     let error = Some("no space left".to_owned());
     let failed = Evolution { state: State::Failed, error, ..evolution() };
