@@ -110,7 +110,7 @@ impl LinkBelief {
             self.late = self.late.update(false);
             return;
         }
-        if self.recent.len() >= RECENT {
+        while self.recent.len() >= RECENT {
             self.recent.pop_front();
         }
         self.recent.push_back(Recent { delay, is_late: false });
@@ -141,7 +141,8 @@ impl LinkBelief {
 
     /// The lower one of the middle two: the first of all packets may have waited for its connection.
     fn recent_median(&self) -> Option<f64> {
-        let mut delays: ArrayVec<f64, RECENT> = self.recent.iter().map(|it| it.delay).collect();
+        let newest = self.recent.iter().rev().take(RECENT);
+        let mut delays: ArrayVec<f64, RECENT> = newest.map(|it| it.delay).collect();
         let middle = delays.len().checked_sub(1)? / 2;
         Some(*delays.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
