@@ -214,7 +214,11 @@ impl Description {
 
     /// These settings with what follows from the rest and was not said.
     fn complete(&self, settings: Settings) -> Settings {
-        derived::complete(settings, |quantity| self.says(path(quantity)))
+        let complete = derived::complete(settings, |quantity| self.says(path(quantity)));
+        // What was said is in its range already, or refused.
+        let mut spec = Spec::from(&complete);
+        spec.hold_derived();
+        Settings { follows_link: complete.follows_link, ..spec.convert(complete.prior) }
     }
 }
 

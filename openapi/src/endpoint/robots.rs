@@ -16,7 +16,7 @@ endpoints! {
     /// Change parts of what was said about a robot
     PATCH_ROBOT: Endpoint<robot::Patch, robot::Robot> = patch("patch_robot", "/v1/robots/{robot}")
         .tag("robots")
-        .about("A JSON merge patch (RFC 7396), as `application/merge-patch+json` or `application/json`: what it has replaces what was said, null takes it back. Task and what was learned are kept as with PUT.")
+        .about("A JSON merge patch (RFC 7396), as `application/merge-patch+json` or `application/json`: what it has replaces what was said, null takes it back; `prior` and `predictor` are replaced as a whole. Task and what was learned are kept as with PUT.")
         .conditional()
         .takes::<robot::Patch>()
         .gives(&[(200, "It was changed")])

@@ -4,7 +4,7 @@ use super::{DEFAULT_PRIOR, Spec};
 use crate::body;
 use crate::check::{Check, Validate};
 use crate::checked::Checked;
-use crate::problem::Problems;
+use crate::problem::{Problems, reason};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -42,7 +42,11 @@ pub const DERIVED: [&str; 17] = [
 #[serde(transparent)]
 pub struct Description(Map<String, Value>);
 
-/// A change of a [`Description`]: a JSON merge patch (RFC 7396). What it has replaces what was said, null takes it back.
+/// The fields of a spec that are made of fields, each of which may be said or not. What else is an object is one value.
+const GROUPS: [&str; 4] = ["drive", "noise", "variance", "steering"];
+
+/// A change of a [`Description`]: a JSON merge patch (RFC 7396), but that `prior` and `predictor` are replaced as a whole. What
+/// it has replaces what was said, null takes it back.
 ///
 /// ```
 /// use umwelt_api::robot::{Description, Patch};
@@ -74,8 +78,10 @@ impl Validate for Description {
 }
 
 impl Validate for Patch {
-    /// What it changes is checked with what it is changed to.
-    fn check(&self, _: &mut Check) {}
+    /// Whether it agrees with what it does not change is checked with that.
+    fn check(&self, check: &mut Check) {
+        Description(self.set_fields()).check(check);
+    }
 }
 
 impl Description {
@@ -99,7 +105,13 @@ impl Description {
     #[cfg(feature = "core")]
     pub(crate) fn without(self, paths: &[String]) -> Self {
         let mut patch = Patch::default();
-        paths.iter().filter(|path| self.says(path)).for_each(|path| patch.set(path, Value::Null));
+        for path in paths {
+            let value = path.split('.').next().unwrap_or(path);
+            let path = if GROUPS.contains(&value) { path } else { value };
+            if self.says(path) {
+                patch.set(path, Value::Null);
+            }
+        }
         let mut said = self.0;
         merge(&mut said, &patch.0);
         Self(said)
@@ -142,12 +154,41 @@ impl From<&Spec> for Description {
 }
 
 impl Patch {
-    /// Reads the body of a PATCH: any object.
+    /// Reads the body of a PATCH.
     ///
     /// # Errors
-    /// Where it is none.
+    /// Every problem of it: unknown fields, values out of range.
     pub fn read(json: &[u8]) -> Result<Checked<Self>, Problems> {
-        Checked::new(body::parse(json)?)
+        let patch = Self(body::parse(json)?);
+        patch.check_taken_back()?;
+        let set = serde_json::to_vec(&patch.set_fields()).unwrap_or_default();
+        Description::read(&set)?;
+        Checked::new(patch)
+    }
+
+    /// Whether everything that it takes back is a field.
+    fn check_taken_back(&self) -> Result<(), Problems> {
+        let known = Description::from(&Spec::default());
+        let mut check = Check::default();
+        let mut look = |path: &str, value: &Value| {
+            if value.is_null() && !known.says(path) {
+                check.report(reason::UNKNOWN_FIELD, path, Value::Null, "leave it out");
+            }
+        };
+        for (name, value) in &self.0 {
+            look(name, value);
+            if let Some(fields) = value.as_object().filter(|_| GROUPS.contains(&name.as_str())) {
+                fields.iter().for_each(|(field, value)| look(&format!("{name}.{field}"), value));
+            }
+        }
+        check.finish()
+    }
+
+    /// What it says, without what it takes back.
+    fn set_fields(&self) -> Map<String, Value> {
+        let mut said = Map::new();
+        merge(&mut said, &self.0);
+        said
     }
 
     /// Takes back or replaces the field at `path`: `drive.lag_s`.
@@ -169,11 +210,6 @@ impl Patch {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
-
-    /// The body of a PUT that says this and no more.
-    pub fn to_description(&self) -> Vec<u8> {
-        Description::default().patched(self)
-    }
 }
 
 fn says(fields: &Map<String, Value>, path: &str) -> bool {
@@ -185,14 +221,14 @@ fn says(fields: &Map<String, Value>, path: &str) -> bool {
     }
 }
 
-/// RFC 7396, section 2.
+/// RFC 7396, section 2, for the fields and those of the groups.
 fn merge(target: &mut Map<String, Value>, patch: &Map<String, Value>) {
     for (name, value) in patch {
         match value {
             Value::Null => {
                 target.remove(name);
             }
-            Value::Object(patch) => {
+            Value::Object(patch) if GROUPS.contains(&name.as_str()) => {
                 let inner = target.entry(name).or_insert_with(|| Value::Object(Map::new()));
                 if !inner.is_object() {
                     *inner = Value::Object(Map::new());
@@ -318,7 +354,7 @@ mod tests {
         assert_eq!(fields, ["drive.lag", "drive.lag_s"]);
     }
 
-    /// The examples of RFC 7396, appendix A, as far as both sides are objects.
+    /// After the examples of RFC 7396, appendix A.
     #[test]
     fn a_patch_is_merged_as_the_standard_has_it() {
         for (target, patch, result) in [
@@ -329,19 +365,37 @@ mod tests {
             (json!({"a": ["b"]}), json!({"a": "c"}), json!({"a": "c"})),
             (json!({"a": "c"}), json!({"a": ["b"]}), json!({"a": ["b"]})),
             (
-                json!({"a": {"b": "c"}}),
-                json!({"a": {"b": "d", "c": null}}),
-                json!({"a": {"b": "d"}}),
+                json!({"drive": {"b": "c"}}),
+                json!({"drive": {"b": "d", "c": null}}),
+                json!({"drive": {"b": "d"}}),
             ),
-            (json!({"a": [{"b": "c"}]}), json!({"a": [1]}), json!({"a": [1]})),
-            (json!({"e": null}), json!({"a": 1}), json!({"e": null, "a": 1})),
-            (json!({}), json!({"a": {"bb": {"ccc": null}}}), json!({"a": {"bb": {}}})),
+            (json!({"drive": 1}), json!({"drive": {"b": 2}}), json!({"drive": {"b": 2}})),
+            (json!({}), json!({"drive": {"b": null}}), json!({"drive": {}})),
+            // One value each.
+            (json!({"prior": {"a": 1}}), json!({"prior": {"b": 2}}), json!({"prior": {"b": 2}})),
+            (json!({"predictor": {"a": 1}}), json!({"predictor": {}}), json!({"predictor": {}})),
         ] {
             let (Value::Object(target), Value::Object(patch)) = (target, patch) else { panic!() };
             let merged: Value =
                 serde_json::from_slice(&Description(target).patched(&Patch(patch))).unwrap();
             assert_eq!(merged, result);
         }
+    }
+
+    #[test]
+    fn a_patch_is_checked_by_itself() {
+        let refused = |body: Value| Patch::read(body.to_string().as_bytes()).is_err();
+        for wrong in [
+            json!([]),
+            json!({"drive": {"lag": null}}),
+            json!({"colour": null}),
+            json!({"drive": {"lag_s": 9}}),
+            json!({"prior": {"turn": null}}),
+            json!({"predictor": {"agents": 5}}),
+        ] {
+            assert!(refused(wrong.clone()), "{wrong}");
+        }
+        assert!(!refused(json!({"drive": null, "noise": {"position_m": null}, "method": null})));
     }
 
     #[test]

@@ -191,6 +191,34 @@ impl Spec {
         self.prior.check("prior", check);
     }
 
+    /// Brings what follows from the rest within what may be said.
+    #[cfg(feature = "core")]
+    pub(crate) fn hold_derived(&mut self) {
+        use super::{
+            ANGULAR_ACCELERATION, ANGULAR_SPEED, LINEAR_ACCELERATION, LINEAR_SPEED, WHEEL_SPEED,
+        };
+        let Self { drive, variance, steering, watchdog_s, .. } = self;
+        for (value, range) in [
+            (&mut drive.max_linear_m_per_s, LINEAR_SPEED),
+            (&mut drive.min_linear_m_per_s, LINEAR_SPEED),
+            (&mut drive.max_angular_rad_per_s, ANGULAR_SPEED),
+            (&mut drive.min_angular_rad_per_s, ANGULAR_SPEED),
+            (&mut drive.max_linear_acceleration_m_per_s2, LINEAR_ACCELERATION),
+            (&mut drive.max_angular_acceleration_rad_per_s2, ANGULAR_ACCELERATION),
+            (&mut drive.max_wheel_speed_rad_per_s, WHEEL_SPEED),
+            (&mut steering.alpha_m_per_s, ALPHA),
+            (&mut steering.stop_radius_m, STOP_RADIUS),
+            (&mut steering.tolerance_m, TOLERANCE),
+            (&mut steering.turn_tolerance_rad, TURN),
+            (&mut steering.turn_beyond_rad, TURN),
+            (&mut variance.position_m2, POSITION_VARIANCE),
+            (&mut variance.heading_rad2, HEADING_VARIANCE),
+            (watchdog_s, WATCHDOG),
+        ] {
+            *value = value.clamp(range.min, range.max);
+        }
+    }
+
     /// Checks the fields against each other.
     pub(crate) fn check_agreement(&self, check: &mut Check) {
         check.field("drive", |check| self.drive.check_agreement(check));

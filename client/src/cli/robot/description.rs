@@ -165,7 +165,7 @@ impl Flags {
     pub(super) fn patch(&self, unset: &[String]) -> Result<Patch, Failure> {
         let mut patch = Patch::default();
         self.say(&mut patch);
-        let read = Description::read(&patch.to_description());
+        let read = Description::read(&Description::default().patched(&patch));
         read.map_err(|problems| Failure::wrong_body("the change", &problems))?;
         let known = Description::from(&Spec::default());
         for field in unset {
