@@ -250,7 +250,9 @@ mod schema {
 
     use super::{Description, Patch, Spec};
     use std::borrow::Cow;
-    use utoipa::openapi::schema::{Object, OneOfBuilder, Schema, SchemaType, Type};
+    use utoipa::openapi::schema::{
+        AdditionalProperties, Object, OneOfBuilder, Schema, SchemaType, Type,
+    };
     use utoipa::openapi::{ObjectBuilder, RefOr};
     use utoipa::{PartialSchema, ToSchema};
 
@@ -313,6 +315,8 @@ mod schema {
                         inner.default = None;
                         inner.properties.values_mut().for_each(|it| nullable(it, known));
                         inner.schema_type = SchemaType::Array(vec![Type::Object, Type::Null]);
+                        inner.additional_properties =
+                            Some(Box::new(AdditionalProperties::FreeForm(false)));
                         Schema::Object(inner).into()
                     }
                     _ => {
