@@ -3,6 +3,7 @@
 mod choice;
 mod description;
 mod drive;
+mod patch;
 mod prior;
 mod spec;
 
@@ -10,11 +11,12 @@ pub use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
 pub use choice::{Attribution, CELL, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
 #[cfg(feature = "core")]
 pub(crate) use description::Said;
-pub use description::{DERIVED, Description, Patch};
+pub use description::{DERIVED, Description};
 pub use drive::{
     ANGULAR_ACCELERATION, ANGULAR_SPEED, Drive, HEADING_NOISE, LAG, LINEAR_ACCELERATION,
     LINEAR_SPEED, Noise, POSITION_NOISE, TRACK_WIDTH, WHEEL_RADIUS, WHEEL_SPEED,
 };
+pub use patch::Patch;
 pub use prior::{ChannelPrior, DEFAULT_PRIOR, MU, Prior, PriorChoice, SUM_OF_SQUARES, WEIGHT};
 pub use spec::{
     ALPHA, HEADING_VARIANCE, LOOP_DELAY, MAX_SLOTS, MIN_WATCHDOG, POSITION_VARIANCE, SENSOR_DELAY,
