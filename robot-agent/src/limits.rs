@@ -88,7 +88,8 @@ mod tests {
     use umwelt_core::geometry::WheelSpeeds;
 
     fn tagged(wheel_radius: f64) -> TaggedDrive {
-        TaggedDrive::new(Drive { wheel_radius, ..Drive::default() }.into())
+        let drive = Drive { wheel_radius, ..Drive::default() };
+        TaggedDrive { tag: wheel_radius.to_bits() >> 11, drive: drive.into() }
     }
 
     /// Guards against: the robot moves by default wheels, and what is missing is taken for slip.

@@ -107,18 +107,22 @@ impl Quantity {
 /// assert!(large.steering.alpha > 3.0 && large.drive.min_linear < 0.08);
 /// ```
 pub fn complete(mut settings: Settings, is_said: impl Fn(Quantity) -> bool) -> Settings {
-    let is_followed = |quantity| !is_said(quantity);
-    settings.follows_link = FollowsLink {
-        loop_delay: is_followed(Quantity::LoopDelay),
-        slots: is_followed(Quantity::Slots),
-        watchdog: is_followed(Quantity::Watchdog),
-    };
+    settings.follows_link = follows_link(&is_said);
     for quantity in Quantity::ALL {
         if !is_said(quantity) {
             derive(&mut settings, quantity, &is_said);
         }
     }
     settings
+}
+
+/// What follows the link because it is not said.
+pub fn follows_link(is_said: impl Fn(Quantity) -> bool) -> FollowsLink {
+    FollowsLink {
+        loop_delay: !is_said(Quantity::LoopDelay),
+        slots: !is_said(Quantity::Slots),
+        watchdog: !is_said(Quantity::Watchdog),
+    }
 }
 
 /// The settings of a robot whose link has this `loop_delay` in s, as far as they follow it.

@@ -171,8 +171,7 @@ impl Description {
     /// from it. Slots are 30 ms long.
     ///
     /// # Errors
-    /// Every field that is unknown or out of its range, and a prior that no one knows; where there is none of these, the
-    /// fields that contradict each other.
+    /// Every field that is unknown, out of its range, or contradicts another, and a prior that no one knows.
     ///
     /// ```
     /// use umwelt_api::{prior, robot::Description};
@@ -203,12 +202,7 @@ impl Description {
 
     /// These settings, all of them known already, with what follows the link because it was not said.
     pub fn follow_link(&self, settings: Settings) -> Settings {
-        let is_followed = |quantity| !self.says(path(quantity));
-        let follows_link = settings::FollowsLink {
-            loop_delay: is_followed(Quantity::LoopDelay),
-            slots: is_followed(Quantity::Slots),
-            watchdog: is_followed(Quantity::Watchdog),
-        };
+        let follows_link = derived::follows_link(|quantity| self.says(path(quantity)));
         Settings { follows_link, ..settings }
     }
 

@@ -47,7 +47,7 @@ pub(super) fn apply(schemas: &mut Schemas) {
             drive_tag: Some(0),
         },
     );
-    write(schemas, &step::TaggedDrive::new(robot::Drive::default()));
+    write(schemas, &step::TaggedDrive { tag: 1, drive: robot::Drive::default() });
     write(
         schemas,
         &step::Horizon {

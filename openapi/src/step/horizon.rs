@@ -97,43 +97,6 @@ pub struct TaggedDrive {
     pub drive: Drive,
 }
 
-impl TaggedDrive {
-    /// `drive` with its tag: FNV-1a of its numbers, 53 bits.
-    pub fn new(drive: Drive) -> Self {
-        let Drive {
-            wheel_radius_m,
-            track_width_m,
-            max_wheel_speed_rad_per_s,
-            max_linear_m_per_s,
-            min_linear_m_per_s,
-            max_angular_rad_per_s,
-            min_angular_rad_per_s,
-            max_linear_acceleration_m_per_s2,
-            max_angular_acceleration_rad_per_s2,
-            lag_s,
-            dead_time_s,
-        } = drive;
-        let numbers = [
-            wheel_radius_m,
-            track_width_m,
-            max_wheel_speed_rad_per_s,
-            max_linear_m_per_s,
-            min_linear_m_per_s,
-            max_angular_rad_per_s,
-            min_angular_rad_per_s,
-            max_linear_acceleration_m_per_s2,
-            max_angular_acceleration_rad_per_s2,
-            lag_s,
-            dead_time_s,
-        ];
-        let bytes = numbers.into_iter().flat_map(f64::to_le_bytes);
-        let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        });
-        Self { tag: (hash & MAX_INTEGER).max(1), drive }
-    }
-}
-
 impl Validate for TaggedDrive {
     fn check(&self, check: &mut Check) {
         check.integer("tag", self.tag, 1..=MAX_INTEGER);

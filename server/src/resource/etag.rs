@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 use std::sync::Arc;
+use umwelt_api::robot::MAX_INTEGER;
 
 /// The version of `content`: 16 hexadecimal digits.
 pub(crate) fn of(content: &impl Serialize) -> Arc<str> {
@@ -14,6 +15,11 @@ pub(crate) fn of(content: &impl Serialize) -> Arc<str> {
 /// The version of something that is sent as these bytes.
 pub(crate) fn of_bytes(bytes: &[u8]) -> Arc<str> {
     format!("{:016x}", fnv_1a(bytes)).into()
+}
+
+/// The same of something small, as a whole number above 0 that every JSON reader keeps.
+pub(crate) fn tag(content: &impl Serialize) -> u64 {
+    (fnv_1a(&serde_json::to_vec(content).unwrap_or_default()) & MAX_INTEGER).max(1)
 }
 
 /// FNV-1a, 64 bits: stable across releases, unlike the standard library's hashes.

@@ -106,17 +106,13 @@ impl Command {
         match self {
             Self::Add(add) => {
                 let robot = self::add(client, &add).await?;
-                output.result(&robot, |robot| {
-                    format!("{} is described\n{}", robot.robot, understood(robot).trim_end())
-                })
+                output.result(&robot, |robot| described(robot, "described"))
             }
             Self::Set(set) => {
                 let Set { robot, unset, flags } = *set;
                 let patch = flags.patch(&unset)?;
                 let robot = wait(client.patch_robot(&robot, &patch)).await?;
-                output.result(&robot, |robot| {
-                    format!("{} is changed\n{}", robot.robot, understood(robot).trim_end())
-                })
+                output.result(&robot, |robot| described(robot, "changed"))
             }
             Self::List { state } => {
                 let page: Page = wait(client.whole(state.map(State::name))).await?;
@@ -152,6 +148,11 @@ async fn add(client: &Client, add: &Add) -> Result<Robot, Failure> {
         }
         answer => Ok(answer?),
     }
+}
+
+/// That it is `done`, and all that is known of it then.
+fn described(robot: &Robot, done: &str) -> String {
+    format!("{} is {done}\n{}", robot.robot, understood(robot).trim_end())
 }
 
 fn list(page: &Page) -> String {

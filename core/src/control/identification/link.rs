@@ -38,7 +38,7 @@ const REQUESTS: usize = 32;
 /// What is believed of one robot's link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinkBelief {
-    /// ln of the loop delay in s, of the recent packets neither late nor held back.
+    /// ln of the loop delay in s before any recent delivery: the prior, or what an earlier version had learned.
     ln_delay: NormalInverseChiSquared,
     /// The recent deliveries that were not held back, oldest first.
     #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
@@ -129,8 +129,15 @@ impl LinkBelief {
                 newest.is_late = true;
             }
         }
+    }
+
+    /// What is believed of the logarithm of the loop delay: as the recent deliveries have it that are not late.
+    fn ln_delay(&self) -> NormalInverseChiSquared {
+        if self.recent.is_empty() {
+            return self.ln_delay;
+        }
         let ordinary = self.recent.iter().filter(|it| !it.is_late);
-        self.ln_delay = ordinary.fold(prior_ln_delay(), |belief, it| belief.update(ln(it.delay)));
+        ordinary.fold(prior_ln_delay(), |belief, it| belief.update(ln(it.delay)))
     }
 
     /// Median of the recent loop delays in s; none before the first delivery.
@@ -155,7 +162,7 @@ impl LinkBelief {
 
     /// How far the estimate of the loop delay has got: as with a channel, the less of mean and variance of its logarithm.
     fn delay_status(&self) -> Status {
-        let (prior, posterior) = (prior_ln_delay(), self.ln_delay);
+        let (prior, posterior) = (prior_ln_delay(), self.ln_delay());
         let of_mean = progress(posterior.k() - prior.k(), prior.k());
         let of_variance = progress(posterior.r() - prior.r(), prior.r());
         Status::of(of_mean.min(of_variance))
@@ -174,7 +181,7 @@ impl LinkBelief {
         LinkEstimate {
             samples: self.deliveries,
             median: self.median(),
-            p99: seen.then(|| self.ln_delay.predictive_interval(0.98).1.exp()),
+            p99: seen.then(|| self.ln_delay().predictive_interval(0.98).1.exp()),
             late: self.late_deliveries,
             late_probability: self.late.predictive(),
             late_interval: self.late.interval(LEVEL),

@@ -34,7 +34,7 @@ use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{Mutex, MutexGuard, mpsc, oneshot, watch};
 use umwelt_api::RobotId;
 use umwelt_api::problem::{Detail, Status, reason};
-use umwelt_api::step::Reply;
+use umwelt_api::step::{Reply, TaggedDrive};
 use umwelt_core::controller::Saved;
 use umwelt_core::exchange::Request;
 use vitals::Vitals;
@@ -112,6 +112,11 @@ impl Robot {
         // What it was told shows before its task has looked; that it rests because the server ends is no stop.
         let shows = snapshot.is_stopped() == is_stopped;
         if shows { snapshot } else { Arc::new(snapshot.told(is_stopped)) }
+    }
+
+    /// Its drive, where `tag` is that of another: asked with every step.
+    pub(crate) fn other_drive(&self, tag: u64) -> Option<TaggedDrive> {
+        self.snapshot.borrow().other_drive(tag)
     }
 
     /// What is to be kept of it as it is now.

@@ -44,7 +44,8 @@ impl Described {
         let Told { settings, prior, said } = told;
         let (prior, source) = (prior.as_deref().map(Arc::from), priors.source(prior.as_deref()));
         let etag = etag::of(&(Spec::from_core(&settings, prior.as_deref()), &said));
-        let drive = TaggedDrive::new(settings.drive.into());
+        let drive = settings.drive.into();
+        let drive = TaggedDrive { tag: etag::tag(&drive), drive };
         Self { settings, prior, source, said: said.into(), drive, etag }
     }
 

@@ -14,7 +14,7 @@ use umwelt_api::stop::{Stop, StopAll};
 /// Observations in, horizon out; with it the drive, where the robot asks for one and has another or none.
 pub(crate) async fn step(Known(robot): Known, Body(request): Body<Request>) -> Result {
     let reply = robot.step(request.to_core(), request.epoch).await?;
-    let drive = request.drive_tag.and_then(|tag| robot.snapshot().other_drive(tag));
+    let drive = request.drive_tag.and_then(|tag| robot.other_drive(tag));
     if drive.is_none() {
         return Ok(answer::json(StatusCode::OK, &*reply));
     }
