@@ -73,7 +73,7 @@ pub use robot::{actuation, exchange, geometry, horizon, kinematics, local, time}
 mod control;
 #[cfg(feature = "controller")]
 pub use control::{
-    check, commands, conjugate, controller, derived, identification, prediction, settings,
+    check, commands, conjugate, controller, derived, drive, identification, prediction, settings,
     steering, task, watch,
 };
 

@@ -6,6 +6,7 @@ mod condition;
 pub mod conjugate;
 pub mod controller;
 pub mod derived;
+pub mod drive;
 pub mod identification;
 pub mod prediction;
 pub mod settings;

@@ -1,0 +1,68 @@
+//! What is believed of a drive, as it is shown.
+
+/// Probability of each tail outside an interval that is shown.
+const TAIL: f64 = (1.0 - crate::identification::estimate::LEVEL) / 2.0;
+
+/// A quantity with its uncertainty.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quantity {
+    /// Its expected value.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// Holds it with probability [`LEVEL`](crate::identification::estimate::LEVEL), as likely below as above.
+    pub interval: (f64, f64),
+}
+
+impl Quantity {
+    /// Of a mixture of even distributions, each from its first to its second value with its weight.
+    pub(super) fn of(cells: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
+        let (mut mean, mut square) = (0.0, 0.0);
+        for (low, high, weight) in cells.clone() {
+            mean += weight * (low + high) / 2.0;
+            square += weight * (low * low + low * high + high * high) / 3.0;
+        }
+        let quantile = |p: f64| {
+            let below = |x: f64| -> f64 {
+                let part = |low: f64, high: f64| {
+                    if high > low {
+                        ((x - low) / (high - low)).clamp(0.0, 1.0)
+                    } else {
+                        f64::from(u8::from(x >= low))
+                    }
+                };
+                cells.clone().map(|(low, high, weight)| weight * part(low, high)).sum()
+            };
+            let (mut low, mut high) = cells
+                .clone()
+                .fold((f64::INFINITY, 0.0f64), |(low, high), it| (low.min(it.0), high.max(it.1)));
+            for _ in 0..40 {
+                let middle = (low + high) / 2.0;
+                if below(middle) < p { low = middle } else { high = middle }
+            }
+            (low + high) / 2.0
+        };
+        Self {
+            mean,
+            sd: (square - mean * mean).max(0.0).sqrt(),
+            interval: (quantile(TAIL), quantile(1.0 - TAIL)),
+        }
+    }
+}
+
+/// What is believed of a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveEstimate {
+    /// Dead time, lag and offset of the poses' stamps in s, together.
+    pub sum: Quantity,
+    /// The lag in s.
+    pub lag: Quantity,
+    /// The dead time in s, with the offset of the stamps in it.
+    pub dead_time: Quantity,
+    /// The sum before any sample.
+    pub prior: Quantity,
+    /// Stretches of motion taken in.
+    pub stretches: u64,
+    /// Those that no hypothesis explains.
+    pub not_understood: u64,
+}

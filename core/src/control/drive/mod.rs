@@ -1,0 +1,212 @@
+//! What is believed of a robot's drive: how long it takes to follow a command, identified from poses and from what the robot
+//! reports to have played.
+//!
+//! From poses and commands alone only the **sum** of dead time, lag and the offset of the poses' stamps is known well; how
+//! it parts into dead time and lag shows in the shape of starts and stops, as far as the noise allows. Both are hypotheses
+//! on a grid ([`grid`]), each judged by how well it predicts the poses of a [`Stretch`] of motion. What else is unknown
+//! meanwhile, scale and slip, is carried along ([`filter`]) and integrated out.
+
+mod axis;
+mod estimate;
+mod filter;
+mod grid;
+mod regression;
+mod stretch;
+
+pub use estimate::{DriveEstimate, Quantity};
+pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
+
+use crate::exchange::PoseNoise;
+use crate::kinematics::Drive;
+use filter::{Filters, Judgement};
+use grid::{Grid, Hypothesis};
+use regression::Regression;
+use serde::{Deserialize, Serialize};
+
+/// Median of the prior of the sum of dead time and lag in s; 95 % lie within 0.044 to 0.38 s.
+///
+/// Field facts: robots of the 0.1 m class need 60 to 200 ms; ten recorded iRobot Creates show 200 to 280 ms, with the
+/// offset of their logs in it.
+pub const PRIOR_MEDIAN: f64 = 0.13;
+
+/// Standard deviation of the natural logarithm of that sum before any sample.
+pub const PRIOR_SPREAD: f64 = 0.55;
+
+/// Part of the sum that is lag where nothing is known of it.
+pub const PRIOR_LAG_SHARE: f64 = 0.75;
+
+/// Longest sum of dead time and lag in s that is looked for.
+pub const LONGEST: f64 = 0.6;
+
+/// Standard deviation of the scale of forward motion and of turns before any sample.
+const SCALE_SPREAD: f64 = 0.3;
+
+/// Half a track by which one metre of drift is off where wheels are unequal by 10 %: standard deviation of the drift times
+/// the track.
+const UNEQUAL_WHEELS: f64 = 0.1;
+
+/// Standard deviations squared of a pose from where the best hypothesis has it, on average, up to which a stretch says what
+/// it seems to: half of all that are understood stay below one.
+const UNDERSTOOD: f64 = 1.3;
+
+/// The same from which on a stretch is not understood by any hypothesis, and says nothing.
+const NOT_UNDERSTOOD: f64 = 25.0;
+
+/// Drift of a floor in rad for each metre and metre of track, where its turn ratio varies by one: what presets of floors and
+/// one wheel's slip have in common.
+const DRIFT: f64 = 0.12;
+
+/// Times the described noise from which on it is another one.
+const NOISIER: f64 = 2.0;
+
+/// Chance that the spread of the slip is another one in the next stretch.
+const OTHER_FLOOR: f64 = 0.02;
+
+/// A weight below this is none: the hypothesis is given up.
+const GIVEN_UP: f64 = 1e-12;
+
+/// What is believed of a drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DriveBelief {
+    /// Dead time and lag.
+    grid: Grid,
+    /// Scale of turns, and drift; scale of forward motion.
+    turn: Regression<2>,
+    forward: Regression<1>,
+    /// Stretches of motion taken in, and those that no hypothesis explains.
+    stretches: u64,
+    not_understood: u64,
+}
+
+impl DriveBelief {
+    /// The belief before any sample, of a robot with this track in m.
+    pub fn new(track_width: f64) -> Self {
+        let drift = UNEQUAL_WHEELS / track_width;
+        Self {
+            grid: Grid::prior(),
+            turn: Regression::new([SCALE_SPREAD, drift]),
+            forward: Regression::new([SCALE_SPREAD]),
+            stretches: 0,
+            not_understood: 0,
+        }
+    }
+
+    /// Takes in a stretch of motion of a robot with this track in m, whose poses are known to `noise`. Whether it was
+    /// understood.
+    pub fn update(
+        &mut self,
+        stretch: &Stretch,
+        commanded: &Commanded,
+        noise: PoseNoise,
+        track_width: f64,
+    ) -> bool {
+        let seen = stretch.noise().unwrap_or_default();
+        let noise = PoseNoise {
+            position: believed(noise.position, seen.position, LEAST_NOISE.position),
+            heading: believed(noise.heading, seen.heading, LEAST_NOISE.heading),
+        };
+        self.turn.mix(OTHER_FLOOR);
+        self.forward.mix(OTHER_FLOOR);
+        let judged: Vec<Judged> = self
+            .grid
+            .alive()
+            .map(|hypothesis| self.judge(hypothesis, stretch, commanded, noise, track_width))
+            .collect();
+        let surprise = judged.iter().map(|it| it.surprise).fold(f64::INFINITY, f64::min);
+        let is_understood = surprise <= NOT_UNDERSTOOD;
+        if !is_understood {
+            self.not_understood += 1;
+            return false;
+        }
+        // Poses that are worse than described say less.
+        let worth = (UNDERSTOOD / surprise).min(1.0);
+        let best = judged.iter().map(Judged::ln_evidence).fold(f64::NEG_INFINITY, f64::max);
+        for it in &judged {
+            let likely = ((it.ln_evidence() - best) * worth).exp();
+            self.grid.set(&it.hypothesis, it.hypothesis.weight * likely);
+        }
+        self.grid.normalise();
+        let weighted = || judged.iter().map(|it| (it, self.grid.weight(&it.hypothesis)));
+        self.turn = Regression::mixture(weighted().map(|(it, weight)| (it.turn.known, weight)));
+        self.forward =
+            Regression::mixture(weighted().map(|(it, weight)| (it.forward.known, weight)));
+        self.grid.fit();
+        self.stretches += 1;
+        true
+    }
+
+    /// What `hypothesis` makes of a stretch.
+    fn judge(
+        &self,
+        hypothesis: Hypothesis,
+        stretch: &Stretch,
+        commanded: &Commanded,
+        noise: PoseNoise,
+        track_width: f64,
+    ) -> Judged {
+        let Hypothesis { sum, share, .. } = hypothesis;
+        let mut turn = Filters::new(&self.turn, noise.heading);
+        let mut forward = Filters::new(&self.forward, noise.position);
+        let (dead_time, lag) = (sum * (1.0 - share), sum * share);
+        let drift = DRIFT / track_width;
+        let (mut steps, mut drives) = (0.0, false);
+        stretch.compare(commanded, dead_time, lag, |motion, seen| {
+            let turn_power = motion.turn_power + drift * drift * motion.length_power;
+            turn.step([motion.turn, motion.length], turn_power, seen.turned);
+            drives |= motion.length != 0.0;
+            if drives {
+                forward.step([motion.length], motion.length_power, seen.driven);
+                steps += 1.0;
+            }
+            steps += 1.0;
+        });
+        let (turn, forward) = (turn.judgement(), forward.judgement());
+        let surprise = (turn.square + forward.square) / steps;
+        Judged { hypothesis, turn, forward, surprise }
+    }
+
+    /// `drive` with the expected dead time and lag.
+    pub fn acting(&self, drive: &Drive) -> Drive {
+        let (sum, share) = (self.grid.sum().mean, self.grid.lag_share());
+        Drive { lag: sum * share, dead_time: sum * (1.0 - share), ..*drive }
+    }
+
+    /// As it is shown.
+    pub fn estimate(&self) -> DriveEstimate {
+        DriveEstimate {
+            sum: self.grid.sum(),
+            lag: self.grid.lag(),
+            dead_time: self.grid.dead_time(),
+            prior: Grid::prior().sum(),
+            stretches: self.stretches,
+            not_understood: self.not_understood,
+        }
+    }
+}
+
+/// The least noise of a pose that is believed: no tracker is exact, and a filter needs some.
+const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
+
+/// The noise of a pose that is described so and `seen` so.
+fn believed(described: f64, seen: f64, least: f64) -> f64 {
+    let described = described.max(least);
+    if seen > NOISIER * described { seen } else { described }
+}
+
+/// What one hypothesis makes of a stretch.
+struct Judged {
+    hypothesis: Hypothesis,
+    turn: Judgement<2>,
+    forward: Judgement<1>,
+    /// Mean square of how far the poses lie off in standard deviations, of the level that predicts them best.
+    surprise: f64,
+}
+
+impl Judged {
+    fn ln_evidence(&self) -> f64 {
+        self.turn.ln_evidence + self.forward.ln_evidence
+    }
+}
+
+#[cfg(test)]
+mod tests;
