@@ -27,6 +27,11 @@ const NO_ERROR: f64 = 3.0;
 /// Time in s for which the smallest turn may go on unseen: the loop delay and what it varies by.
 const UNSEEN: f64 = 0.5;
 
+/// Lag and dead time in s before any sample: the middle of what robots of the 0.1 m class have (field facts: 60 to 160 ms
+/// and 0 to 40 ms), and the median of what is believed of their sum.
+const LAG: f64 = 0.11;
+const DEAD_TIME: f64 = 0.02;
+
 /// Largest heading error in rad at which a robot may still drive: beyond it, it drives away.
 const LARGEST_BEYOND: f64 = 1.5;
 
@@ -67,11 +72,15 @@ pub enum Quantity {
     Watchdog,
     /// `Settings::slots`: 40, or three loop delays where that is more.
     Slots,
+    /// `Drive::lag`: identified, and before that the middle of what robots have; none where the dead time is said.
+    Lag,
+    /// `Drive::dead_time`: likewise.
+    DeadTime,
 }
 
 impl Quantity {
     /// Each of them, those on which others depend first.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::MaxLinear,
         Self::MinLinear,
         Self::MaxAngular,
@@ -89,6 +98,8 @@ impl Quantity {
         Self::LoopDelay,
         Self::Watchdog,
         Self::Slots,
+        Self::Lag,
+        Self::DeadTime,
     ];
 }
 
@@ -100,7 +111,7 @@ impl Quantity {
 /// use umwelt_core::settings::Settings;
 /// // Of the robot of the thesis only wheels, track and top speed are known: its constants come out.
 /// let thesis = complete(Settings::default(), |quantity| quantity == Quantity::MaxLinear);
-/// assert_eq!((thesis.drive, thesis.steering), (Settings::default().drive, Settings::default().steering));
+/// assert_eq!((thesis.drive.max_angular, thesis.steering), (1.25, Settings::default().steering));
 /// // A warehouse robot of 2 m/s.
 /// let drive = Drive { wheel_radius: 0.1, track_width: 1.3, max_linear: 2.0, ..Drive::default() };
 /// let large = complete(Settings { drive, ..Settings::default() }, |quantity| quantity == Quantity::MaxLinear);
@@ -108,12 +119,18 @@ impl Quantity {
 /// ```
 pub fn complete(mut settings: Settings, is_said: impl Fn(Quantity) -> bool) -> Settings {
     settings.follows_link = follows_link(&is_said);
+    settings.identifies_lag = identifies_lag(&is_said);
     for quantity in Quantity::ALL {
         if !is_said(quantity) {
             derive(&mut settings, quantity, &is_said);
         }
     }
     settings
+}
+
+/// Whether dead time and lag are identified because neither is said.
+pub fn identifies_lag(is_said: impl Fn(Quantity) -> bool) -> bool {
+    !is_said(Quantity::Lag) && !is_said(Quantity::DeadTime)
 }
 
 /// What follows the link because it is not said.
@@ -204,6 +221,10 @@ fn derive(settings: &mut Settings, quantity: Quantity, is_said: &impl Fn(Quantit
             let wanted = (DELAYS * *loop_delay / settings.slot).ceil() as usize;
             settings.slots = wanted.clamp(SLOTS, MAX_SLOTS);
         }
+        Quantity::Lag => drive.lag = if is_said(Quantity::DeadTime) { 0.0 } else { LAG },
+        Quantity::DeadTime => {
+            drive.dead_time = if is_said(Quantity::Lag) { 0.0 } else { DEAD_TIME }
+        }
     }
 }
 
@@ -228,7 +249,10 @@ mod tests {
     fn the_constants_of_the_thesis_come_out_for_its_robot() {
         let derived = complete(Settings::default(), |_| false);
         let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
-        assert_eq!(derived, Settings { slots: SLOTS, follows_link, ..Settings::default() });
+        // Whose robot follows at once, as far as it says.
+        let drive = Drive { lag: LAG, dead_time: DEAD_TIME, ..Drive::default() };
+        let identified = Settings { drive, identifies_lag: true, ..Settings::default() };
+        assert_eq!(derived, Settings { slots: SLOTS, follows_link, ..identified });
         let camera =
             complete(Settings { noise: PoseNoise::CAMERA, ..Settings::default() }, |_| false);
         assert_eq!(camera.steering, SteeringSettings::default());
@@ -246,6 +270,8 @@ mod tests {
                 min_angular: 0.09,
                 max_linear_acceleration: 0.11,
                 max_angular_acceleration: 0.77,
+                lag: 0.07,
+                dead_time: 0.03,
                 ..Drive::default()
             },
             slots: 3,

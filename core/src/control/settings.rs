@@ -136,6 +136,9 @@ pub struct FollowsLink {
 pub struct Settings {
     /// The robot's drive.
     pub drive: Drive,
+    /// Whether its dead time and lag are identified, because neither was said; what `drive` has is then what is expected
+    /// before any sample. Not for the thesis, whose robot follows at once.
+    pub identifies_lag: bool,
     /// Known noise of its observed poses.
     pub noise: PoseNoise,
     /// How the environment is identified.
@@ -173,6 +176,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             drive: Drive::default(),
+            identifies_lag: false,
             noise: PoseNoise::default(),
             method: Method::Bayesian,
             prior: Prior::default(),

@@ -166,6 +166,12 @@ impl Commands {
         if jumps {
             return false;
         }
+        self.is_followed(from, to, 2.0 * SLOT)
+    }
+
+    /// Whether it is known which horizons were played from `from` to `to`: all of them remembered, and no `hole` in s between
+    /// the last report of one and the begin of the next. How a jump between two of them was spread is another question.
+    pub fn is_followed(&self, from: RobotTime, to: RobotTime, hole: f64) -> bool {
         let Some(first) = self.played.iter().rposition(|played| played.playing.since <= from)
         else {
             return false;
@@ -173,7 +179,7 @@ impl Commands {
         let mut known_until = RobotTime::BEFORE_ALL;
         for played in self.played.iter().skip(first) {
             if known_until > RobotTime::BEFORE_ALL
-                && played.playing.since > known_until + 2.0 * SLOT
+                && played.playing.since > known_until + hole
             {
                 return false;
             }

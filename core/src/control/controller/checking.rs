@@ -97,7 +97,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.compensation.estimator.reset(observation);
         self.track = Some(next);
         self.rejected = None;
-        self.commands.settle(taken - self.settings.drive.dead_time);
+        self.forget_gathered();
+        self.commands.settle(taken - self.acting.drive.dead_time);
     }
 
     fn end_check(&mut self, events: &mut Events) {

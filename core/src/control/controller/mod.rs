@@ -3,9 +3,11 @@
 //! [`Controller::step`] is the whole of it: a pure transition from state and request to state and horizon. The
 //! state can be saved and restored; the same state and requests give the same horizons.
 
+mod acting;
 mod checking;
 pub mod compensation;
 mod event;
+mod gathering;
 mod heard;
 mod news;
 mod observing;
@@ -18,7 +20,6 @@ mod watching;
 
 use crate::check::{Report, Trace};
 use crate::commands::Commands;
-use crate::derived;
 use crate::exchange::{Observation, Request};
 use crate::geometry::{Point, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
@@ -29,10 +30,10 @@ use crate::task::{Limit, Progress, Task};
 use crate::time::RobotTime;
 use crate::watch::Watch;
 use compensation::{
-    Compensation, DelayModel, Identified, MAX_AHEAD, NominalDelay, PathFollower, PoseEstimator,
-    QuadraticCurve,
+    Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
 };
 pub use event::{Event, Events};
+use gathering::Follows;
 use heard::{Change, Heard};
 pub use news::GROWTH;
 use plan::{Phase, Phases};
@@ -43,12 +44,6 @@ use std::sync::Arc;
 
 /// Version of the stored form of [`Saved`]; one of another version is not taken up.
 pub const STATE_VERSION: u32 = 3;
-
-/// A change of the loop delay in s that is more than the jitter of a link.
-const OTHER_DELAY: f64 = 2.0 * SLOT;
-
-/// Step in s in which an identified loop delay is followed.
-const DELAY_STEP: f64 = 0.01;
 
 /// Consistent poses in a row that are accepted again after one was set aside: a robot that was carried away.
 pub const ACCEPTED_AGAIN: u32 = 5;
@@ -88,8 +83,10 @@ struct RejectedPoses {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     settings: Settings,
-    /// The settings as they are over the link as it is identified.
+    /// The settings as they are over the link and with the drive as both are identified.
     acting: Settings,
+    /// How late the drive follows; none where that is described.
+    follows: Option<Follows>,
     /// When the first plan for the loop delay as it is known now begins; none before there is one.
     teaches_from: Option<RobotTime>,
     compensation: Compensation<E, D, F>,
@@ -138,6 +135,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             belief: Belief::new(settings.method, &settings.prior, settings.drift),
             settings,
             acting: settings,
+            follows: Follows::new(&settings),
             teaches_from: Some(RobotTime::BEFORE_ALL),
             commands: Commands::default(),
             track: None,
@@ -231,23 +229,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.compensation.delay.on_delivery(delivery);
         }
         if !request.deliveries.is_empty() {
-            self.follow_link();
-        }
-    }
-
-    /// Plans for the link as it is identified, as far as it is not described.
-    fn follow_link(&mut self) {
-        let median = self.belief.link.median().filter(|_| self.settings.follows_link.loop_delay);
-        let before = self.acting.loop_delay;
-        self.acting = median.map_or(self.settings, |median| {
-            // What differs by less matters to no one, and plans that begin at other times are other plans.
-            let loop_delay = (median / DELAY_STEP).ceil() * DELAY_STEP;
-            derived::over_link(&self.settings, loop_delay.min(MAX_AHEAD))
-        });
-        // What was sent for another delay was not played when that was thought: it says nothing of the floor.
-        if (self.acting.loop_delay - before).abs() > OTHER_DELAY {
-            self.teaches_from = None;
-            self.take_back();
+            self.act();
         }
     }
 

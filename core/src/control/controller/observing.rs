@@ -50,6 +50,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let span = observation.taken - track.last.taken;
         if !self.can_have_moved(predicted, observation.pose, span) {
             self.belief.poses_set_aside += 1;
+            self.forget_gathered();
             self.watch_set_aside(observation.taken, events);
             let again = self.rejected.filter(|rejected| {
                 let span = observation.taken - rejected.last.taken;
@@ -75,10 +76,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             let last = Observation { pose, taken };
             let still = if self.has_moved(track.still.pose, pose) { last } else { track.still };
             self.track = Some(Track { last, wheels, window, interval, still, ..track });
+            self.gather(observation);
             self.watch_step(track.last, observation, predicted, moved, events);
         }
         self.rejected = None;
-        self.commands.settle(observation.taken - self.settings.drive.dead_time);
+        self.commands.settle(observation.taken - self.acting.drive.dead_time);
         self.follow_task(&observation, events);
     }
 
@@ -89,7 +91,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         track: &Track,
         until: RobotTime,
     ) -> (Window, Displacement, WheelSpeeds) {
-        let drive = &self.settings.drive;
+        let drive = &self.acting.drive;
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
@@ -107,7 +109,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         until: RobotTime,
         each: impl FnMut(WheelSpeeds, f64),
     ) {
-        let Settings { drive, attribution, .. } = &self.settings;
+        let Settings { drive, attribution, .. } = &self.acting;
         self.commands.walk(
             *attribution,
             drive,
@@ -119,7 +121,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// How far from where it was predicted a robot can be after `span` s, in m and rad.
     pub(super) fn reach(&self, span: f64) -> (f64, f64) {
-        let Settings { drive, noise, .. } = &self.settings;
+        let Settings { drive, noise, .. } = &self.acting;
         let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
         let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
         (far, turned)
@@ -140,7 +142,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         end: &Observation,
         observer: &mut impl SampleObserver,
     ) -> Window {
-        let Settings { drive, noise, attribution, .. } = self.settings;
+        let Settings { drive, noise, attribution, .. } = self.acting;
         let start = window.start.taken;
         let is_taught = self.teaches_from.is_some_and(|from| start >= from);
         if !is_taught || self.heard.was_away(start, end.taken) {
@@ -203,7 +205,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         } else {
             return false;
         };
-        let drive = &self.settings.drive;
+        let drive = &self.acting.drive;
         (0..slots).all(|slots| {
             let then = time - drive.dead_time - f64::from(slots) * slot;
             self.commands.at(Attribution::Played, drive, then) == WheelSpeeds::ZERO

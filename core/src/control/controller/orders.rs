@@ -2,6 +2,7 @@
 
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
+use super::gathering::Follows;
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
@@ -71,15 +72,16 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.record.restart_clock();
         self.watch.restart_clock();
         self.heard = Heard::default();
+        self.forget_gathered();
         self.teaches_from = Some(RobotTime::BEFORE_ALL);
         self.check_anew();
         (self.healthy, self.healthy_at, self.limit) = (None, None, None);
     }
 
-    /// Back to the prior.
+    /// Back to the prior: on another floor, over another link. What the drive is like stays.
     pub fn reset_belief(&mut self) {
         self.belief.reset();
-        self.follow_link();
+        self.act();
         self.watch.unlearn();
         self.healthy = None;
     }
@@ -96,8 +98,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.watch.unlearn();
             self.healthy = None;
         }
+        if old.identifies_lag != settings.identifies_lag {
+            self.follows = Follows::new(&settings);
+        }
         self.settings = settings;
-        self.follow_link();
+        self.act();
         if self.trace.is_some() {
             self.trace = Self::trace_of(&self.settings, self.task.as_ref());
         }

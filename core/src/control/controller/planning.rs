@@ -125,7 +125,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         start: RobotTime,
         sequence: u64,
     ) -> (Prediction, WheelSpeeds) {
-        let Settings { drive, predictor, .. } = &self.settings;
+        let Settings { drive, predictor, .. } = &self.acting;
         let pose = track.last.pose;
         let exact = self.judged_noise();
         let (mut prediction, mut pieces) = match *predictor {
@@ -149,7 +149,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
         let taken = track.last.taken;
         let estimator = &self.compensation.estimator;
-        let prediction = estimator.predict_pose(&self.settings, taken, pose, start, prediction);
+        let prediction = estimator.predict_pose(&self.acting, taken, pose, start, prediction);
         (prediction, wheels)
     }
 }

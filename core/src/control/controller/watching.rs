@@ -108,7 +108,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         ];
         let step = Step { from, to, commanded, off };
         let wants = self.wants_motion();
-        let (commands, settings) = (&self.commands, &self.settings);
+        let (commands, settings) = (&self.commands, &self.acting);
         let played = |from, until| was_played(commands, settings, from, until);
         let far = (far / 2.0, turned / 2.0);
         let (ended, mut finding) = self.watch.accept(settings, &step, far, wants, played);

@@ -165,8 +165,11 @@ impl DriveBelief {
         Judged { hypothesis, turn, forward, surprise }
     }
 
-    /// `drive` with the expected dead time and lag.
+    /// `drive` with the expected dead time and lag, once any motion has taught them.
     pub fn acting(&self, drive: &Drive) -> Drive {
+        if self.stretches == 0 {
+            return *drive;
+        }
         let (sum, share) = (self.grid.sum().mean, self.grid.lag_share());
         Drive { lag: sum * share, dead_time: sum * (1.0 - share), ..*drive }
     }

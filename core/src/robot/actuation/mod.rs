@@ -3,7 +3,10 @@
 //! One implementation for the agent on the robot and for the simulation. It needs no link: without fresh
 //! horizons it stops by itself.
 
-use crate::geometry::elementary::{least, most};
+mod slew;
+
+pub use slew::Slew;
+
 use crate::geometry::{Twist, WheelSpeeds};
 use crate::horizon::{Horizon, RAMP_STEP, SLOT};
 use crate::kinematics::{self, Drive};
@@ -61,13 +64,10 @@ pub struct Actuation {
     held: ArrayVec<usize, HELD>,
     newest: Option<u64>,
     playing: Option<Playing>,
-    output: Twist,
-    /// The wheel speeds of `output`.
+    slew: Slew,
+    /// The wheel speeds that come of it.
     applied: WheelSpeeds,
-    /// Acceleration time in s that is not used up yet, at most one slot.
-    credit: f64,
     time: RobotTime,
-    settled: bool,
     /// Until when nothing changes but the time; none where that has to be looked up.
     unchanged_until: Option<RobotTime>,
 }
@@ -82,11 +82,9 @@ impl Actuation {
             held: ArrayVec::new(),
             newest: None,
             playing: None,
-            output: Twist::ZERO,
+            slew: Slew::new(Twist::ZERO),
             applied: WheelSpeeds::ZERO,
-            credit: SLOT,
             time,
-            settled: true,
             unchanged_until: None,
         }
     }
@@ -161,8 +159,8 @@ impl Actuation {
     /// The robot moves by another `drive` from now on; its wheels turn as they did.
     pub fn describe(&mut self, drive: Drive) {
         self.drive = drive;
-        self.output = kinematics::forward(&drive, self.applied);
-        (self.settled, self.unchanged_until) = (false, None);
+        self.slew.becomes(kinematics::forward(&drive, self.applied));
+        self.unchanged_until = None;
     }
 
     /// A new epoch: sequences of horizons start again; what is playing goes on until it is replaced or expires.
@@ -175,7 +173,7 @@ impl Actuation {
     /// Times never go back; an earlier `now` counts as the last one.
     pub fn advance(&mut self, now: RobotTime) -> WheelSpeeds {
         let now = self.time.later(now);
-        self.credit = least(SLOT, now + self.credit - self.time);
+        self.slew.wait(self.time, now);
         self.time = now;
         if self.unchanged_until.is_some_and(|until| now < until - SAME_TIME) {
             return self.applied;
@@ -192,24 +190,9 @@ impl Actuation {
             }
             _ => Twist::ZERO,
         };
-        self.output = self.slew(demand);
-        self.applied = kinematics::inverse(&self.drive, self.output);
-        self.unchanged_until = self.settled.then(|| self.change_after(now));
+        self.applied = kinematics::inverse(&self.drive, self.slew.toward(&self.drive, demand));
+        self.unchanged_until = self.slew.is_settled().then(|| self.change_after(now));
         self.applied
-    }
-
-    /// Moves the output toward `demand` as far as the unused acceleration time allows.
-    fn slew(&mut self, demand: Twist) -> Twist {
-        let needed = self.drive.change_time(self.output, demand);
-        // The tolerance covers rounding in plans that use the limit to the full.
-        self.settled = needed <= self.credit + 1e-6;
-        if self.settled {
-            self.credit = most(0.0, self.credit - needed);
-            return demand;
-        }
-        let share = self.credit / needed;
-        self.credit = 0.0;
-        self.drive.part_way(self.output, demand, share)
     }
 
     /// The next instant after the last `advance` at which the wheel speeds may change.
@@ -225,7 +208,7 @@ impl Actuation {
         if let Some(second) = self.horizon(1) {
             next = next.earlier(second.start);
         }
-        if self.settled { next } else { next.earlier(now + RAMP_STEP) }
+        if self.slew.is_settled() { next } else { next.earlier(now + RAMP_STEP) }
     }
 
     /// What is being played, since when; none before the first horizon begins.
@@ -235,12 +218,12 @@ impl Actuation {
 
     /// The twist applied since the last `advance`.
     pub fn output(&self) -> Twist {
-        self.output
+        self.slew.output()
     }
 
     /// Whether the robot is at rest and nothing it holds will move it.
     pub fn is_at_rest(&self) -> bool {
-        self.output == Twist::ZERO && self.next_change().is_never()
+        self.slew.output() == Twist::ZERO && self.next_change().is_never()
     }
 }
 

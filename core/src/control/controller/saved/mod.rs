@@ -1,14 +1,17 @@
 //! What of a controller outlives a restart: what was learned, and how far the task has got.
 
 use super::Controller;
+use super::gathering::Follows;
 use super::plan::Phase;
 use super::record::Record;
+use crate::drive::{DriveBelief, DriveEstimate};
 use crate::identification::Belief;
 use crate::identification::estimate::Estimates;
 use crate::settings::Settings;
 use crate::task::{Stage, Task};
 use crate::watch::{Kept, Watch};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What of a controller outlives a restart. It holds no time of the robot's clock: none is known to go on.
 /// Its stored form is of version [`STATE_VERSION`](super::STATE_VERSION); one of another version is not taken up.
@@ -20,6 +23,9 @@ pub struct Saved {
     /// Left out where there is none: the stored form is then that of earlier versions.
     #[serde(default, skip_serializing_if = "Kept::is_none")]
     pub(super) watch: Kept,
+    /// How late the drive follows; left out where that is described.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) drive: Option<Arc<DriveBelief>>,
 }
 
 impl Saved {
@@ -31,6 +37,11 @@ impl Saved {
     /// What was identified.
     pub fn estimates(&self) -> Estimates {
         self.belief.estimates(self.watch.rejects())
+    }
+
+    /// What is believed of how late the drive follows; none where that is described.
+    pub fn drive_estimate(&self) -> Option<DriveEstimate> {
+        Some(self.drive.as_ref()?.estimate())
     }
 
     /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,
@@ -69,7 +80,8 @@ impl Controller {
         let (mut belief, mut record) = (self.belief.clone(), self.record);
         belief.link.restart_clock();
         record.restart_clock();
-        Saved { belief, phase: self.phase.resumed(), record, watch: self.watch.kept() }
+        let drive = self.follows.as_ref().map(|follows| Arc::clone(&follows.belief));
+        Saved { belief, phase: self.phase.resumed(), record, watch: self.watch.kept(), drive }
     }
 
     /// A controller that goes on where another one was when `saved` was taken, the robot's clock counting anew as
@@ -85,14 +97,17 @@ impl Controller {
         saved: Saved,
     ) -> Option<Self> {
         saved.fits(&settings, task.as_ref()).then(|| {
-            let Saved { belief, phase, record, watch } = saved;
+            let Saved { belief, phase, record, watch, drive } = saved;
             let watch = Watch::restored(watch);
             let trace = matches!(phase, Phase::Checking { .. })
                 .then(|| Self::trace_of(&settings, task.as_ref()))
                 .flatten();
             let mut restored =
                 Self { belief, phase, record, watch, task, stopped, trace, ..Self::new(settings) };
-            restored.follow_link();
+            if let (Some(follows), Some(belief)) = (&mut restored.follows, drive) {
+                *follows = Follows::of(belief);
+            }
+            restored.act();
             restored
         })
     }
