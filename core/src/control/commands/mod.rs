@@ -178,9 +178,7 @@ impl Commands {
         };
         let mut known_until = RobotTime::BEFORE_ALL;
         for played in self.played.iter().skip(first) {
-            if known_until > RobotTime::BEFORE_ALL
-                && played.playing.since > known_until + hole
-            {
+            if known_until > RobotTime::BEFORE_ALL && played.playing.since > known_until + hole {
                 return false;
             }
             known_until = played.reported;

@@ -19,6 +19,9 @@ const FRESH: f64 = 0.15;
 /// A pause in s after which a phase is taken up again rather than gone on with.
 const PAUSE: f64 = 1.0;
 
+/// Lags after which a robot is seen to rest: what is left of its speed moves it no more.
+const COASTS: f64 = 2.0;
+
 /// Part of the variance limits up to which the noise of a pose is next to nothing.
 const SMALL_NOISE: f64 = 0.01;
 
@@ -59,7 +62,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
                 || self.watch.rests()
                 || self.heard.is_held()
                 || begins - taken > self.compensation.delay.max_pose_age(&self.acting),
-            rest: f64::from(REST_SLOTS) * slot + track.interval,
+            rest: f64::from(REST_SLOTS) * slot + COASTS * drive.lag + track.interval,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
