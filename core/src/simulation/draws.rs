@@ -33,6 +33,8 @@ pub(crate) enum Stream {
     Slip = 5,
     /// What the camera adds to a pose.
     Noise = 6,
+    /// How late a drive follows.
+    Lateness = 7,
 }
 
 /// The random numbers at one index of one stream: of a slot, or of a cell.

@@ -10,12 +10,16 @@ use umwelt_api::robot::DERIVED;
 const FRONT: &str = "# Parameters\n\n\
     Every field of every body that the server accepts. Generated from `openapi/openapi.json` by \
     `UPDATE_GOLDEN=1 cargo test -p umwelt-contract --test parameters`: do not edit it here.\n\n\
-    A field that is not required may be left out; it then has its default. A default that is \"derived\" follows from the \
+    A field that is not required may be left out; it then has its default. One that is \"identified\" comes from \
+    motion, `method.md` says from which value on. A default that is \"derived\" follows from the \
     other fields of the robot (`docs/method.md` has the formulas); what it is for the robot of the thesis stands beside it. \
     `PATCH /v1/robots/{robot}` has the fields of PUT, null for each that is to be default again. \"null\" as a default means that the field is \
     not set, and the meaning says what counts then. Lengths are in m, angles in rad, times in s; a slot is 30 ms. The range \
     includes both ends. A contradiction between fields is answered with 409, a value outside its range with 400; both name \
     the field, the value and a remedy.\n";
+
+/// Fields of a robot that are identified where they are not said.
+const IDENTIFIED: [&str; 2] = ["drive.lag_s", "drive.dead_time_s"];
 
 /// The operation whose fields may follow from each other.
 const ROBOT: &str = "PUT /v1/robots/{robot}";
@@ -137,7 +141,11 @@ impl<'a> Page<'a> {
             let default =
                 self.default(property, required.contains(name.as_str()), !objects.is_empty());
             let is_derived = operation == ROBOT && DERIVED.contains(&path.as_str());
-            let default = if is_derived { format!("derived ({default})") } else { default };
+            let default = match IDENTIFIED.contains(&path.as_str()) {
+                true if operation == ROBOT => "identified".to_owned(),
+                _ if is_derived => format!("derived ({default})"),
+                _ => default,
+            };
             let (range, meaning) = (self.range(property), self.meaning(property));
             let effect = effect(operation, &path);
             let row = [&format!("`{name}`"), unit(name), &default, &range, &meaning, effect];

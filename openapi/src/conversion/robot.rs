@@ -200,10 +200,12 @@ impl Description {
         Ok((Self::of(read.said), read.resolved))
     }
 
-    /// These settings, all of them known already, with what follows the link because it was not said.
-    pub fn follow_link(&self, settings: Settings) -> Settings {
-        let follows_link = derived::follows_link(|quantity| self.says(path(quantity)));
-        Settings { follows_link, ..settings }
+    /// These settings, all of them known already, with what is identified because it was not said.
+    pub fn identify(&self, settings: Settings) -> Settings {
+        let says = |quantity| self.says(path(quantity));
+        let (follows_link, identifies_lag) =
+            (derived::follows_link(says), derived::identifies_lag(says));
+        Settings { follows_link, identifies_lag, ..settings }
     }
 
     /// These settings with what follows from the rest and was not said.
@@ -212,7 +214,7 @@ impl Description {
         // What was said is in its range already, or refused.
         let mut spec = Spec::from(&complete);
         spec.hold_derived();
-        Settings { follows_link: complete.follows_link, ..spec.convert(complete.prior) }
+        self.identify(spec.convert(complete.prior))
     }
 }
 
@@ -236,6 +238,8 @@ pub(super) fn path(quantity: Quantity) -> &'static str {
         Quantity::LoopDelay => "loop_delay_s",
         Quantity::Watchdog => "watchdog_s",
         Quantity::Slots => "horizon_slots",
+        Quantity::Lag => "drive.lag_s",
+        Quantity::DeadTime => "drive.dead_time_s",
     }
 }
 
@@ -258,6 +262,7 @@ impl Spec {
     pub fn convert(&self, prior: settings::Prior) -> Settings {
         Settings {
             drive: self.drive.convert(),
+            identifies_lag: false,
             noise: self.noise.convert(),
             method: self.method.into(),
             prior,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// The fields of a spec that follow from the rest where they are not said; others have a default of their own.
-pub const DERIVED: [&str; 17] = [
+pub const DERIVED: [&str; 19] = [
     "drive.max_linear_m_per_s",
     "drive.min_linear_m_per_s",
     "drive.max_angular_rad_per_s",
@@ -27,6 +27,8 @@ pub const DERIVED: [&str; 17] = [
     "loop_delay_s",
     "watchdog_s",
     "horizon_slots",
+    "drive.lag_s",
+    "drive.dead_time_s",
 ];
 
 /// What was said of a robot: the fields of a [`Spec`] that someone gave, in its form. What is left out has its default, or

@@ -48,7 +48,8 @@ pub struct Drive {
     pub max_linear_acceleration_m_per_s2: f64,
     /// Largest change of angular velocity.
     pub max_angular_acceleration_rad_per_s2: f64,
-    /// Time constant with which the wheels follow a command; 0 follows at once.
+    /// Time constant with which the wheels follow a command; 0 follows at once. Of a robot of which neither this nor
+    /// `dead_time_s` is said both are identified.
     pub lag_s: f64,
     /// Time before the wheels begin to follow a command.
     pub dead_time_s: f64,

@@ -15,6 +15,7 @@ use umwelt_core::actuation::Playing;
 use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
+use umwelt_core::kinematics;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::settings::{FollowsLink, PoseNoise, Settings};
 use umwelt_core::task as core_task;
@@ -108,10 +109,15 @@ fn pairs(expected: &[(&str, &str)]) -> Vec<(String, String)> {
 #[test]
 fn the_defaults_are_cores_and_pass() {
     let (said, settings) = robot::Description::read_known(b"{}", prior::built_in).unwrap();
-    assert_eq!((said, robot::Spec::from_core(&settings, Some("default"))), Default::default());
+    let thesis = Settings { drive: kinematics::Drive::default(), ..settings };
+    assert_eq!((said, robot::Spec::from_core(&thesis, Some("default"))), Default::default());
     let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
-    let noise = PoseNoise::CAMERA;
-    assert_eq!(settings, Settings { slots: 40, noise, follows_link, ..Settings::default() });
+    let (noise, identifies_lag) = (PoseNoise::CAMERA, true);
+    let expected =
+        Settings { slots: 40, noise, follows_link, identifies_lag, ..Settings::default() };
+    assert_eq!(thesis, expected);
+    let kinematics::Drive { lag, dead_time, .. } = settings.drive;
+    assert_eq!((lag, dead_time), (0.11, 0.02), "until they are identified");
     let thesis = core_task::Task::thesis();
     assert_eq!(Checked::new(task::Spec::from(&thesis)).unwrap().to_core(9.0), thesis);
 }

@@ -129,6 +129,7 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
             slot: SLOT,
             loop_delay,
             follows_link: settings::FollowsLink::default(),
+            identifies_lag: false,
             sensor_delay,
             watchdog,
             predictor,

@@ -13,7 +13,7 @@ use umwelt_core::exchange::PoseNoise;
 use umwelt_core::geometry::Pose;
 use umwelt_core::kinematics::Drive;
 use umwelt_core::link::SENSOR_DELAY;
-use umwelt_core::plant::{PlantModel, Slip};
+use umwelt_core::plant::{Lateness, PlantModel, Slip};
 use values::{link, not_negative, pose, positive, slip, trace};
 
 const EXAMPLES: &str = "\
@@ -173,11 +173,11 @@ struct SimOptions {
     #[arg(long, alias = "noise-heading", value_name = "RAD", value_parser = not_negative)]
     heading_noise: Option<f64>,
 
-    /// Time constant with which the wheels follow [default: 0]
+    /// Time constant with which the wheels follow [default: drawn by the seed, 0.06 to 0.16]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     lag: Option<f64>,
 
-    /// Time before the wheels begin to follow [default: 0]
+    /// Time before the wheels begin to follow [default: drawn by the seed, 0 to 0.04]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     dead_time: Option<f64>,
 
@@ -224,10 +224,11 @@ impl Options {
         config.seed = sim.seed.unwrap_or_default();
         config.link = sim.link.as_deref().map(link).transpose()?;
         config.trace = sim.trace.as_deref().map(trace).transpose()?;
+        let drawn = Lateness::drawn(config.seed);
         let model = PlantModel {
             drive: Drive {
-                lag: sim.lag.unwrap_or_default(),
-                dead_time: sim.dead_time.unwrap_or_default(),
+                lag: sim.lag.unwrap_or(drawn.lag),
+                dead_time: sim.dead_time.unwrap_or(drawn.dead_time),
                 ..told.over(Drive::default())
             },
             slip: sim.slip.unwrap_or_default(),

@@ -92,6 +92,8 @@ async fn the_very_task_that_is_under_way_goes_on() {
     assert_eq!(stale.problem().1, "ETAG_MISMATCH");
     assert_eq!(api.state().await, under_way);
 
+    // Its drive may go on for a while: it is to be seen at rest for as long.
+    drive(0.2).await;
     let arrived = drive(0.2).await;
     assert_eq!(arrived[1]["progress"]["stage"], "arrived");
     assert_eq!(api.put(task, spec.clone()).await.json(), arrived[1], "it is done, and stays done");

@@ -74,7 +74,7 @@ const API: Layers = &[
         "estimate.rs",
     ],
     &["job/"],
-    &["evolution/", "comparison/", "prior.rs", "training/", "environment.rs", "event.rs"],
+    &["evolution/", "comparison/", "prior.rs", "training/", "environment/", "event.rs"],
     &["endpoint/", "conversion/"],
     &["document/"],
     &["lib.rs"],

@@ -100,10 +100,12 @@ struct Drive {
         allow_negative_numbers = true
     )]
     max_turn_acceleration: Option<f64>,
-    /// Time constant with which the wheels follow a command [default: 0]
+    /// Time constant with which the wheels follow a command [default: identified; 0.11 before the first motion; 0 where
+    /// --dead-time is said]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     lag: Option<f64>,
-    /// Time before the wheels begin to follow a command [default: 0]
+    /// Time before the wheels begin to follow a command [default: identified; 0.02 before the first motion; 0 where --lag
+    /// is said]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dead_time: Option<f64>,
 }

@@ -1,5 +1,7 @@
 //! What is believed of a drive, as it is shown.
 
+use crate::identification::Status;
+
 /// Probability of each tail outside an interval that is shown.
 const TAIL: f64 = (1.0 - crate::identification::estimate::LEVEL) / 2.0;
 
@@ -65,4 +67,13 @@ pub struct DriveEstimate {
     pub stretches: u64,
     /// Those that no hypothesis explains.
     pub not_understood: u64,
+}
+
+impl DriveEstimate {
+    /// How far the estimate of the sum has got: what is known of it beyond the prior, against what that says.
+    pub fn status(&self) -> Status {
+        let information = |it: Quantity| (it.sd * it.sd).recip();
+        let prior = information(self.prior);
+        Status::of(((information(self.sum) - prior) / prior).clamp(0.0, 1.0))
+    }
 }

@@ -11,8 +11,10 @@ use crate::geometry::{Pose, Twist, WheelSpeeds};
 use crate::kinematics::{self, Drive};
 use arrayvec::ArrayVec;
 
+mod lateness;
 mod slip;
 
+pub use lateness::Lateness;
 pub use slip::{MAX_SLIP_SD, SLIP_PRESETS, SLIP_WINDOW, Slip, SlipChannel, SlipError};
 
 /// Length of a cell in s: slip is constant within one, and no integration step is longer.

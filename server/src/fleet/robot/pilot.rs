@@ -325,9 +325,7 @@ impl Pilot {
     /// What is identified now, made from the belief when someone wants to see it.
     fn environment(&self) -> What {
         let (described, saved) = (self.shown.described.clone(), self.controller.saved());
-        What::Asked(Box::new(move || {
-            Kind::Environment(Box::new(described.environment(&saved.estimates())))
-        }))
+        What::Asked(Box::new(move || Kind::Environment(Box::new(described.environment(&saved)))))
     }
 }
 

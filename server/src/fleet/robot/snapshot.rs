@@ -18,7 +18,6 @@ use umwelt_api::watch::Watch;
 use umwelt_core::check::Report;
 use umwelt_core::controller::{Controller, Saved};
 use umwelt_core::exchange::Observation;
-use umwelt_core::identification::estimate;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::settings::Settings;
 use umwelt_core::task::{Progress, Task};
@@ -56,10 +55,13 @@ impl Described {
     }
 
     /// What is identified, as the wire has it.
-    pub(super) fn environment(&self, estimate: &estimate::Estimates) -> Environment {
+    pub(super) fn environment(&self, saved: &Saved) -> Environment {
+        let estimate = saved.estimates();
+        let believed = saved.drive_estimate();
+        let drive = environment::Drive::new(believed.as_ref(), &self.settings.drive);
         let name = self.prior.as_deref().and_then(|name| name.parse().ok());
         let (source, method) = (self.source.clone(), estimate.method.into());
-        Environment::new(estimate, environment::Prior::of(name, source, method))
+        Environment::new(&estimate, drive, environment::Prior::of(name, source, method))
     }
 }
 
@@ -309,6 +311,6 @@ impl Snapshot {
 
     /// What is identified, as the wire has it.
     pub(crate) fn environment(&self) -> Environment {
-        self.described.environment(&self.saved.estimates())
+        self.described.environment(&self.saved)
     }
 }

@@ -19,6 +19,20 @@ pub(super) fn robot(content: &mut Fields) {
     inside(content, "task", task);
 }
 
+/// A robot of whose drive nothing was said but that followed at once goes on to: it is as if that had been said.
+pub(super) fn lag(content: &mut Fields) {
+    let kept = content.get("settings").and_then(|settings| settings.get("drive")).cloned();
+    let Some(said) = fields_in(content, "said") else { return };
+    let drive = said.entry("drive").or_insert_with(|| json!({}));
+    if let (Some(Value::Object(kept)), Some(drive)) = (kept, drive.as_object_mut()) {
+        for field in ["lag_s", "dead_time_s"] {
+            if let Some(value) = kept.get(field) {
+                drive.entry(field).or_insert_with(|| value.clone());
+            }
+        }
+    }
+}
+
 /// Only new fields, whose base says what their lack means.
 pub(crate) fn same(_: &mut Fields) {}
 

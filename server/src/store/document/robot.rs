@@ -7,10 +7,11 @@ use umwelt_api::{robot, task};
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 
-/// How robots are kept. Version 1 had core's names, version 2 said not what was said.
+/// How robots are kept. Version 1 had core's names, version 2 said not what was said, in version 3 a drive of which nothing
+/// was said followed at once.
 pub(crate) const FORM: Form = Form {
     is_within: false,
-    upgrades: &[former::robot, former::same],
+    upgrades: &[former::robot, former::same, former::lag],
     base: include_str!("base/robot.json"),
 };
 
@@ -54,7 +55,7 @@ pub(crate) fn record(body: &str, revision: u64) -> Result<Record, Unreadable> {
         let said = said.unwrap_or_else(|| robot::Description::from(&settings));
         Ok::<_, String>(Record {
             told: Told {
-                settings: said.follow_link(settings.convert(values)),
+                settings: said.identify(settings.convert(values)),
                 prior: settings.prior.name().map(str::to_owned),
                 said,
             },

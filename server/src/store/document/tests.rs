@@ -2,6 +2,7 @@
 //! fields that there can be: what a base says is pinned by them.
 
 use super::*;
+use serde_json::json;
 use std::fmt::Debug;
 use std::path::PathBuf;
 use std::{env, fs};
@@ -152,6 +153,23 @@ fn robots_of_every_version_mean_what_they_meant() {
     }
 }
 
+/// Guards against: a robot that followed at once because nothing else was said begins to be identified.
+#[test]
+fn a_robot_of_which_nothing_was_said_follows_as_it_did() {
+    let body = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/src/store/document/golden/least-robot-3.json"
+    ));
+    let mut body: Value = serde_json::from_str(&body.unwrap()).unwrap();
+    body["said"] = json!({"drive": {"wheel_radius_m": 0.03}});
+    let told = robot::record(&body.to_string(), 7).unwrap().told;
+    assert!(told.said.says("drive.lag_s") && told.said.says("drive.dead_time_s"));
+    assert!(!told.settings.identifies_lag && told.settings.follows_link.loop_delay);
+    assert_eq!((told.settings.drive.lag, told.settings.drive.dead_time), (0.0, 0.0));
+    body["version"] = json!(4);
+    assert!(robot::record(&body.to_string(), 7).unwrap().told.settings.identifies_lag);
+}
+
 #[test]
 fn priors_of_every_version_mean_what_they_meant() {
     for name in ["prior", "champion", "least-prior"] {
@@ -232,7 +250,7 @@ fn what_cannot_be_read_says_who_wrote_it() {
     let read = |body: &str| robot::record(body, 1).unwrap_err();
     let newer = read(r#"{"version": 9, "program": "0.7.0", "settings": 5}"#);
     assert_eq!(newer.written_by(), Some("0.7.0"));
-    assert_eq!(newer.to_string(), "its form is of version 9, this program reads 1 to 3");
+    assert_eq!(newer.to_string(), "its form is of version 9, this program reads 1 to 4");
     let strange = read(r#"{"version": 2, "program": "0.2.0", "task": 5}"#);
     assert_eq!(strange.written_by(), Some("0.2.0"));
     for body in

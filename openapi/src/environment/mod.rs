@@ -2,6 +2,10 @@
 //!
 //! Simulated environments, which have names, stand in [`crate::training`].
 
+mod drive;
+
+pub use drive::{Drive, Estimate};
+
 use crate::id::PriorId;
 use crate::prior::Source;
 use crate::robot::{DEFAULT_PRIOR, Method};
@@ -25,6 +29,9 @@ pub struct Environment {
     pub level: f64,
     /// Control errors per channel, in the body frame.
     pub channels: Channels,
+    /// How late the drive follows its commands. It stays when the robot comes to another environment: a reset keeps it.
+    #[serde(default)]
+    pub drive: Option<Drive>,
     /// The link.
     pub link: Link,
     /// Windows of motion that gave no sample because the commanded motion was not constant.
@@ -148,6 +155,8 @@ pub enum Status {
     Estimated,
     /// Samples are set aside: the watch holds the robot at rest because its motion is not what was commanded.
     Rejected,
+    /// It is described, not identified.
+    Given,
     /// Something of another version.
     #[default]
     #[serde(other)]
@@ -162,6 +171,7 @@ impl Status {
             Self::Estimating => "estimating",
             Self::Estimated => "estimated",
             Self::Rejected => "rejected",
+            Self::Given => "given",
             Self::Other => "other",
         }
     }

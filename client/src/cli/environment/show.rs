@@ -1,134 +1,15 @@
-//! `umwelt environment`: what is identified of a robot's. The simulated ones by name are in [`training`].
+//! What is identified of a robot's environment, in words and a table.
 
-use super::failure::Failure;
-use super::output::Output;
-use super::progress::{QUIET_WAIT, StatusLine, wait};
-use super::quantity::{UNKNOWN, milliseconds, or_unknown, percent, span};
-use super::table::{Column, Table};
-use super::training;
-use clap::Subcommand;
+use crate::cli::quantity::{UNKNOWN, milliseconds, or_unknown, percent};
+use crate::cli::table::{Column, Table};
 use std::fmt::Write;
-use std::time::Duration;
-use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_api::RobotId;
-use umwelt_api::environment::{Channel, Environment, Interval, Link, Status};
+use umwelt_api::environment::{Channel, Drive, Environment, Estimate, Interval, Link, Status};
 use umwelt_api::robot::Method;
 use umwelt_api::watch;
-use umwelt_client::Client;
 
-#[derive(Debug, Subcommand)]
-pub(super) enum Command {
-    /// Show what was learned of the floor and the link of a robot, how sure it is, and from which prior
-    #[command(after_help = ABOUT)]
-    Show {
-        /// The robot
-        #[arg(value_name = "ID")]
-        robot: RobotId,
-    },
-    /// Show it again whenever it changes, until Ctrl-C
-    #[command(after_help = ABOUT)]
-    Watch {
-        /// The robot
-        #[arg(value_name = "ID")]
-        robot: RobotId,
-        /// Seconds between looks, 0.1 to 3600
-        #[arg(long, value_name = "S", default_value = "1", value_parser = pause)]
-        interval: Duration,
-    },
-    /// Forget what was learned: back to the prior
-    Reset {
-        /// The robot
-        #[arg(value_name = "ID")]
-        robot: RobotId,
-    },
-    #[command(flatten)]
-    Simulated(training::Command),
-}
-
-pub(super) const WHICH: &str = "\
-Two kinds of environments: that in which a robot is, as identified from its motion (show, watch, reset), and the
-simulated ones with names, in which priors are evolved (list, describe, put, remove).
-
-Examples:
-  umwelt environment show rover-7
-  umwelt environment describe slippery";
-
-const ABOUT: &str = "\
-A channel is the ratio of an error to the commanded motion: forward and lateral error per metre, heading error per
-radian turned (turn) and per metre driven (drift). -0.05 forward means that the robot gets 5 % less far than commanded.
-  MEAN, SD      of the ratio over 100 ms
-  MEAN WITHIN   where the mean is with the given probability: narrow once there is enough to go by
-  NEXT WITHIN   where the next ratio over 100 ms will be with the given probability
-  WORTH         independent samples that the samples are worth
-  LN EVIDENCE   natural logarithm of the probability of the samples under the prior
-  STATUS        estimating, with the part of the samples that it takes until the prior no longer dominates; estimated;
-                unestimated where the model is fixed; rejected where the watch has samples set aside, and for what
-
-The loop delay is the time from a pose being taken to the reply to it reaching the robot.";
-
-fn pause(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse::<f64>().ok().filter(|seconds| (0.1..=3600.0).contains(seconds));
-    seconds.map(Duration::from_secs_f64).ok_or_else(|| "use 0.1 to 3600 seconds".to_owned())
-}
-
-impl Command {
-    pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
-        match self {
-            Self::Show { robot } => {
-                let environment = wait(client.environment(&robot)).await?;
-                output.result(&environment, |environment| show(&robot, environment))
-            }
-            Self::Watch { robot, interval } => tokio::select! {
-                ended = watch(client, output, &robot, interval) => ended,
-                _ = tokio::signal::ctrl_c() => Ok(()),
-            },
-            Self::Reset { robot } => {
-                let environment = wait(client.reset_environment(&robot)).await?;
-                output.result(&environment, |environment| show(&robot, environment))
-            }
-            Self::Simulated(command) => command.run(client, output).await,
-        }
-    }
-}
-
-/// Shows the environment whenever it changed. A bad link or a restarting server does not end it.
-async fn watch(
-    client: &Client,
-    output: &mut Output,
-    robot: &RobotId,
-    pause: Duration,
-) -> Result<(), Failure> {
-    let mut line = StatusLine::new();
-    let mut looks = interval(pause);
-    looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    let mut last = None;
-    let mut changed = Instant::now();
-    loop {
-        looks.tick().await;
-        match client.environment(robot).await {
-            Ok(now) if last.as_ref() != Some(&now) => {
-                line.clear();
-                output.picture(&now, |now| show(robot, now))?;
-                last = Some(now);
-                changed = Instant::now();
-            }
-            Ok(_) if changed.elapsed() >= QUIET_WAIT => {
-                let unchanged = span(changed.elapsed().as_secs_f64());
-                line.show(
-                    "unchanged",
-                    &format!("{robot}: nothing new for {unchanged}; Ctrl-C ends"),
-                );
-            }
-            Ok(_) => {}
-            Err(error) if error.is_transient() => {
-                line.show("no answer", &format!("still trying: {error}"));
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
-}
-
-fn show(robot: &RobotId, environment: &Environment) -> String {
+/// All of it.
+pub(super) fn show(robot: &RobotId, environment: &Environment) -> String {
     let level = format!("{:.0} %", 1e2 * environment.level);
     let mut text = format!(
         "{robot}: method {}, intervals hold with probability {level}\n\n",
@@ -156,7 +37,11 @@ fn show(robot: &RobotId, environment: &Environment) -> String {
         table.row(row(name, unit, channel));
     }
     // Writing to a String cannot fail.
-    let _ = write!(text, "{table}\n{}", link(&environment.link, &level));
+    let _ = write!(text, "{table}\n");
+    if let Some(it) = &environment.drive {
+        let _ = writeln!(text, "{}", drive(it, &level));
+    }
+    let _ = write!(text, "{}", link(&environment.link, &level));
     let prior = environment.prior.name.as_ref().map_or("the robot's own", |name| name.as_str());
     let _ = writeln!(text, "prior    {prior}: {}", environment.prior.why);
     let Environment { windows_rejected, poses_set_aside, .. } = environment;
@@ -193,6 +78,25 @@ fn status(status: Status, fraction: Option<f64>, rejected: Option<watch::State>)
         (Status::Other, ..) => UNKNOWN.to_owned(),
         _ => status.name().to_owned(),
     }
+}
+
+/// How late the drive follows.
+fn drive(drive: &Drive, level: &str) -> String {
+    let time = |it: &Estimate| or_unknown(it.mean, milliseconds);
+    let (sum, lag, dead) = (time(&drive.delay_s), time(&drive.lag_s), time(&drive.dead_time_s));
+    let mut text = format!("drive    follows a command in {sum} (lag {lag}, dead time {dead})");
+    if let Some(Interval { low, high }) = drive.delay_s.interval {
+        let (low, high) = (milliseconds(low), milliseconds(high));
+        let _ = write!(text, ", with {level} within {low} .. {high}");
+    }
+    let _ = write!(text, "; {}", status(drive.status, drive.estimated_fraction, None));
+    if drive.status != Status::Given {
+        let _ = write!(text, " from {} stretches of motion", drive.stretches);
+    }
+    if drive.stretches_not_understood > 0 {
+        let _ = write!(text, ", {} more not understood", drive.stretches_not_understood);
+    }
+    text
 }
 
 fn link(link: &Link, level: &str) -> String {
@@ -237,6 +141,11 @@ mod tests {
     use umwelt_api::environment::{Channels, Prior};
     use umwelt_api::prior::Source;
 
+    fn estimate(mean: f64, low: f64, high: f64) -> Estimate {
+        let interval = Some(Interval { low, high });
+        Estimate { mean: Some(mean), sd: Some(0.01), interval }
+    }
+
     fn environment() -> Environment {
         let slippery = Channel {
             used: true,
@@ -273,6 +182,15 @@ mod tests {
                 turn: slippery,
                 drift: unknown,
             },
+            drive: Some(Drive {
+                status: Status::Estimated,
+                estimated_fraction: Some(1.0),
+                delay_s: estimate(0.142, 0.139, 0.146),
+                lag_s: estimate(0.11, 0.09, 0.13),
+                dead_time_s: estimate(0.032, 0.01, 0.05),
+                stretches: 8,
+                stretches_not_understood: 1,
+            }),
             link: Link {
                 samples: 12,
                 median_s: Some(0.2124),
@@ -304,6 +222,7 @@ lateral           m/m      -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.00
 turn              rad/rad  -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.0010      412  120.3        -33.1  estimated
 drift (not used)  rad/m     0.0000       -                   -                   -        0    0.0          0.0  estimating, 0 %
 
+drive    follows a command in 142 ms (lag 110 ms, dead time 32 ms), with 90 % within 139 ms .. 146 ms; estimated from 8 stretches of motion, 1 more not understood
 link     loop delay: median 212 ms, 99 % of those not late within 480 ms (estimated)
 late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 % (estimating, 20 %)
 note     no late packet in 12 deliveries says little yet
@@ -324,6 +243,22 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
     }
 
     #[test]
+    fn a_described_delay_is_said_to_be_given() {
+        let given = |mean| Estimate { mean: Some(mean), sd: None, interval: None };
+        let described = Drive {
+            status: Status::Given,
+            estimated_fraction: None,
+            delay_s: given(0.1),
+            lag_s: given(0.1),
+            dead_time_s: given(0.0),
+            stretches: 0,
+            stretches_not_understood: 0,
+        };
+        let text = "drive    follows a command in 100 ms (lag 100 ms, dead time 0 ms); given";
+        assert_eq!(drive(&described, "90 %"), text);
+    }
+
+    #[test]
     fn a_status_is_shown_with_its_fraction_or_its_reason() {
         assert_eq!(status(Status::Estimating, Some(0.426), None), "estimating, 43 %");
         let stuck = Some(watch::State::Stuck);
@@ -337,11 +272,5 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
         for named in [Method::FixedNormal, Method::FixedBad, Method::Statistic, Method::Bayesian] {
             assert_eq!(serde_json::to_value(named).unwrap(), method(named));
         }
-    }
-
-    #[test]
-    fn a_look_takes_some_time() {
-        assert_eq!(pause("0.5"), Ok(Duration::from_millis(500)));
-        assert!(["0", "-1", "nan", "inf", "x"].iter().all(|text| pause(text).is_err()));
     }
 }

@@ -1,0 +1,40 @@
+//! How late a robot's drive follows its commands, as it is identified.
+
+use super::{Interval, Status};
+use crate::schema::ToSchema;
+use serde::{Deserialize, Serialize};
+
+/// What is known of how late a robot's drive follows its commands.
+///
+/// From poses and commands alone the sum is known well: of dead time, lag and whatever the stamps of the poses are late by.
+/// How it parts shows in the shape of starts and stops, as far as the noise of the poses allows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = EnvironmentDrive)]
+pub struct Drive {
+    /// How far the estimate has got; `given` where dead time or lag are described.
+    pub status: Status,
+    /// Part of the information that it takes until the prior no longer dominates, 1 once it does not; null where it is given.
+    pub estimated_fraction: Option<f64>,
+    /// Dead time and lag together, in s.
+    pub delay_s: Estimate,
+    /// Time constant in s with which the wheels follow a command.
+    pub lag_s: Estimate,
+    /// Time in s before they begin to, with the delay of the stamps in it.
+    pub dead_time_s: Estimate,
+    /// Stretches of motion of up to 1.5 s from which it is known.
+    pub stretches: u64,
+    /// Stretches that no delay explains: they say nothing.
+    pub stretches_not_understood: u64,
+}
+
+/// A quantity with its uncertainty, in the unit that its name ends with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = DriveEstimate)]
+pub struct Estimate {
+    /// Its expected value; null where there is none.
+    pub mean: Option<f64>,
+    /// Its standard deviation; null where it is given.
+    pub sd: Option<f64>,
+    /// Holds it with probability `level`; null where it is given.
+    pub interval: Option<Interval>,
+}
