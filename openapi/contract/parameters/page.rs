@@ -5,7 +5,7 @@ use super::unit::unit;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
-use umwelt_api::robot::DERIVED;
+use umwelt_api::robot::{DERIVED, IDENTIFIED};
 
 const FRONT: &str = "# Parameters\n\n\
     Every field of every body that the server accepts. Generated from `openapi/openapi.json` by \
@@ -17,9 +17,6 @@ const FRONT: &str = "# Parameters\n\n\
     not set, and the meaning says what counts then. Lengths are in m, angles in rad, times in s; a slot is 30 ms. The range \
     includes both ends. A contradiction between fields is answered with 409, a value outside its range with 400; both name \
     the field, the value and a remedy.\n";
-
-/// Fields of a robot that are identified where they are not said.
-const IDENTIFIED: [&str; 2] = ["drive.lag_s", "drive.dead_time_s"];
 
 /// The operation whose fields may follow from each other.
 const ROBOT: &str = "PUT /v1/robots/{robot}";

@@ -31,6 +31,10 @@ pub const DERIVED: [&str; 19] = [
     "drive.dead_time_s",
 ];
 
+/// Those of them that are identified where they are not said; before the first motion and delivery they have a value that
+/// follows.
+pub const IDENTIFIED: [&str; 3] = ["loop_delay_s", "drive.lag_s", "drive.dead_time_s"];
+
 /// What was said of a robot: the fields of a [`Spec`] that someone gave, in its form. What is left out has its default, or
 /// follows from the rest; which of them do is a table in `docs/method.md`.
 ///

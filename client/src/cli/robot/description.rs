@@ -7,7 +7,9 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;
 use umwelt_api::PriorId;
-use umwelt_api::robot::{Attribution, Description, Method, Patch, Robot, Spec};
+use umwelt_api::robot::{
+    Attribution, DERIVED, Description, IDENTIFIED, Method, Patch, Robot, Spec,
+};
 
 pub(super) const METHODS: &[&str] = &["fixed-normal", "fixed-bad", "statistic", "bayesian"];
 pub(super) const ATTRIBUTIONS: &[&str] = &["sent", "played"];
@@ -197,7 +199,9 @@ fn of(value: Option<impl Serialize>) -> Option<Value> {
 fn origin(said: &Description, path: &str) -> &'static str {
     if said.says(path) {
         "set"
-    } else if umwelt_api::robot::DERIVED.contains(&path) {
+    } else if IDENTIFIED.contains(&path) {
+        "until identified"
+    } else if DERIVED.contains(&path) {
         "derived"
     } else {
         "default"
