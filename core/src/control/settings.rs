@@ -19,11 +19,14 @@ pub enum Method {
     Statistic,
     /// Prior and samples: the thesis's method.
     Bayesian,
+    /// The same beside the scale of the drive, which is identified by itself and by which commands are corrected.
+    Adaptive,
 }
 
 impl Method {
     /// Every method, in the order in which they are shown.
-    pub const ALL: [Self; 4] = [Self::FixedNormal, Self::FixedBad, Self::Statistic, Self::Bayesian];
+    pub const ALL: [Self; 5] =
+        [Self::FixedNormal, Self::FixedBad, Self::Statistic, Self::Bayesian, Self::Adaptive];
 
     /// The name used on the wire and on command lines.
     pub fn name(self) -> &'static str {
@@ -32,6 +35,7 @@ impl Method {
             Self::FixedBad => "fixed-bad",
             Self::Statistic => "statistic",
             Self::Bayesian => "bayesian",
+            Self::Adaptive => "adaptive",
         }
     }
 }
@@ -167,6 +171,13 @@ pub struct Settings {
     pub variance: VarianceLimits,
     /// The steering law.
     pub steering: SteeringSettings,
+}
+
+impl Settings {
+    /// Whether the drift channel is used: by itself where it is identified with the drive.
+    pub fn uses_drift(&self) -> bool {
+        self.drift || self.method == Method::Adaptive
+    }
 }
 
 /// Nominal loop delay in s: sensor 130 ms and the 99 % quantile of the normal link's round trip.

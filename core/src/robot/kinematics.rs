@@ -15,6 +15,8 @@ pub struct Drive {
     pub wheel_radius: f64,
     /// Distance between the wheels in m (W of thesis eq. 11).
     pub track_width: f64,
+    /// By what part of their mean the right wheel is larger than the left; 0 where they are equal.
+    pub unequal: f64,
     /// Largest speed of either wheel in rad/s.
     pub max_wheel_speed: f64,
     /// Largest forward or reverse speed in m/s (thesis table 1).
@@ -40,6 +42,7 @@ impl Default for Drive {
         Self {
             wheel_radius: 0.03,
             track_width: 0.10,
+            unequal: 0.0,
             max_wheel_speed: 8.0,
             max_linear: 0.130,
             min_linear: 0.023,
@@ -173,11 +176,13 @@ fn step_toward(from: f64, to: f64, step: f64, minimum: f64) -> f64 {
 
 /// The body twist of turning the wheels at `speeds`: v = r/2 (w_r + w_l), omega = r/W (w_r - w_l).
 ///
-/// Thesis eq. 10-11, corrected: rates, not displacements per step.
+/// Thesis eq. 10-11, corrected: rates, not displacements per step. Of unequal wheels each has its own radius.
 pub fn forward(drive: &Drive, speeds: WheelSpeeds) -> Twist {
+    let half = drive.unequal / 2.0;
+    let (sum, difference) = (speeds.right + speeds.left, speeds.right - speeds.left);
     Twist {
-        linear: drive.wheel_radius / 2.0 * (speeds.right + speeds.left),
-        angular: drive.wheel_radius / drive.track_width * (speeds.right - speeds.left),
+        linear: drive.wheel_radius / 2.0 * (sum + half * difference),
+        angular: drive.wheel_radius / drive.track_width * (difference + half * sum),
     }
 }
 
@@ -185,15 +190,15 @@ pub fn forward(drive: &Drive, speeds: WheelSpeeds) -> Twist {
 ///
 /// ```
 /// use umwelt_core::{geometry::Twist, kinematics::{forward, inverse, Drive}};
-/// let (drive, twist) = (Drive::default(), Twist::new(0.1, -0.7));
+/// let (drive, twist) = (Drive { unequal: 0.02, ..Drive::default() }, Twist::new(0.1, -0.7));
 /// let back = forward(&drive, inverse(&drive, twist));
 /// assert!((back.linear - twist.linear).abs() < 1e-15 && (back.angular - twist.angular).abs() < 1e-15);
 /// ```
 pub fn inverse(drive: &Drive, twist: Twist) -> WheelSpeeds {
-    let half_track = drive.track_width / 2.0;
+    let (half_track, half) = (drive.track_width / 2.0, drive.unequal / 2.0);
     WheelSpeeds {
-        left: (twist.linear - half_track * twist.angular) / drive.wheel_radius,
-        right: (twist.linear + half_track * twist.angular) / drive.wheel_radius,
+        left: (twist.linear - half_track * twist.angular) / (drive.wheel_radius * (1.0 - half)),
+        right: (twist.linear + half_track * twist.angular) / (drive.wheel_radius * (1.0 + half)),
     }
 }
 

@@ -38,6 +38,7 @@ impl Drive {
         kinematics::Drive {
             wheel_radius: self.wheel_radius_m,
             track_width: self.track_width_m,
+            unequal: 0.0,
             max_wheel_speed: self.max_wheel_speed_rad_per_s,
             max_linear: self.max_linear_m_per_s,
             min_linear: self.min_linear_m_per_s,

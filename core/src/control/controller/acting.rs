@@ -3,9 +3,11 @@
 use super::Controller;
 use super::compensation::{DelayModel, MAX_AHEAD, PathFollower, PoseEstimator};
 use crate::derived;
+use crate::drive::DriveBelief;
 use crate::horizon::SLOT;
 use crate::kinematics::Drive;
-use crate::settings::Settings;
+use crate::prediction::Scale;
+use crate::settings::{Method, Settings};
 
 /// A change of the loop delay in s that is more than the jitter of a link.
 const OTHER_DELAY: f64 = 2.0 * SLOT;
@@ -15,6 +17,9 @@ const DELAY_STEP: f64 = 0.01;
 
 /// A change in s of dead time and lag together from which on a drive is another one: what it taught meanwhile is wrong.
 const OTHER_DRIVE: f64 = 0.015;
+
+/// Standard deviations above the mean that are exceeded once in a hundred times.
+const SURELY: f64 = 2.326;
 
 /// Changes of that sum, and of the lag in it, that matter to no one.
 const SAME_DRIVE: (f64, f64) = (0.002, 0.01);
@@ -45,12 +50,49 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     fn identified_drive(&self, acting: &Drive) -> Drive {
         let described = self.settings.drive;
         let Some(follows) = &self.follows else { return described };
-        let drive = follows.belief.acting(&described);
+        let drive = follows.belief.late(&described);
         let acting = Drive { lag: acting.lag, dead_time: acting.dead_time, ..described };
         let (sum, lag) = SAME_DRIVE;
         let is_same =
             (late(&drive) - late(&acting)).abs() < sum && (drive.lag - acting.lag).abs() < lag;
-        if is_same { acting } else { drive }
+        let drive = if is_same { acting } else { drive };
+        if self.settings.method == Method::Adaptive {
+            scaled(&drive, &follows.belief)
+        } else {
+            drive
+        }
+    }
+
+    /// How the drive differs from its description; none where that is not asked.
+    pub(super) fn scale(&self) -> Option<Scale> {
+        let follows = self.follows.as_ref().filter(|_| self.settings.method == Method::Adaptive)?;
+        Some(follows.belief.scale())
+    }
+
+    /// The drive as described, as late as it is identified: what commands as described are reckoned with.
+    pub(super) fn described_drive(&self) -> Drive {
+        let Drive { lag, dead_time, .. } = self.acting.drive;
+        Drive { lag, dead_time, ..self.settings.drive }
+    }
+}
+
+/// `drive` with wheels and track as they move the robot. Its largest speeds are what the robot may do, not what its wheels
+/// are told: as long as the scale is not known well they are divided by how much larger it may be.
+fn scaled(drive: &Drive, belief: &DriveBelief) -> Drive {
+    let (Scale { forward, turn, drift }, sd) = (belief.scale(), belief.scale_sd());
+    let (forward, turn) = (1.0 + forward, 1.0 + turn);
+    let larger = |factor: f64, sd: f64| 1.0 + SURELY * sd / factor;
+    let track_width = drive.track_width * forward / turn;
+    Drive {
+        wheel_radius: drive.wheel_radius * forward,
+        track_width,
+        unequal: drift * track_width / forward,
+        max_linear: drive.max_linear / larger(forward, sd.forward),
+        max_angular: drive.max_angular / larger(turn, sd.turn),
+        // The motors stand below a speed of the wheels.
+        min_linear: drive.min_linear * forward,
+        min_angular: drive.min_angular * turn,
+        ..*drive
     }
 }
 

@@ -6,8 +6,8 @@ use crate::actuation::Slew;
 use crate::drive::{Commanded, DriveBelief, DriveEstimate, LONGEST, MAX_SPAN, Stretch};
 use crate::exchange::Observation;
 use crate::geometry::WheelSpeeds;
-use crate::kinematics;
-use crate::settings::{Attribution, Settings};
+use crate::kinematics::{self, Drive};
+use crate::settings::{Attribution, Method, Settings};
 use crate::time::RobotTime;
 use std::sync::Arc;
 
@@ -33,9 +33,26 @@ pub(super) struct Follows {
 impl Follows {
     /// What is believed at first, where the settings ask for that.
     pub(super) fn new(settings: &Settings) -> Option<Self> {
-        settings
-            .identifies_lag
-            .then(|| Self::of(Arc::new(DriveBelief::new(settings.drive.track_width))))
+        let drive = &settings.drive;
+        let belief = if settings.identifies_lag {
+            DriveBelief::new(drive.track_width)
+        } else if settings.method == Method::Adaptive {
+            DriveBelief::of_known_lag(drive)
+        } else {
+            return None;
+        };
+        Some(Self::of(Arc::new(belief)))
+    }
+
+    /// What is believed under the settings `now`, where it was this under those `before`.
+    pub(super) fn redescribed(
+        this: Option<Self>,
+        before: &Settings,
+        now: &Settings,
+    ) -> Option<Self> {
+        let this = this.filter(|_| asks(before) == asks(now))?;
+        let belief = Arc::unwrap_or_clone(this.belief);
+        Some(Self::of(Arc::new(belief.described_anew(&before.drive, &now.drive))))
     }
 
     /// What is believed already.
@@ -47,6 +64,13 @@ impl Follows {
     pub(super) fn forget(&mut self) {
         (self.stretch, self.moved) = (Stretch::default(), None);
     }
+}
+
+/// What settings ask of a drive: whether its scale is identified, and how late it is where that is known.
+fn asks(settings: &Settings) -> (bool, Option<(f64, f64)>) {
+    let Drive { lag, dead_time, .. } = settings.drive;
+    let given = (!settings.identifies_lag).then_some((lag, dead_time));
+    (settings.method == Method::Adaptive, given)
 }
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {

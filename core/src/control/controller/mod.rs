@@ -132,7 +132,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         Self {
             compensation,
             is_watched: false,
-            belief: Belief::new(settings.method, &settings.prior, settings.drift),
+            belief: Belief::new(settings.method, &settings.prior, settings.uses_drift()),
             settings,
             acting: settings,
             follows: Follows::new(&settings),

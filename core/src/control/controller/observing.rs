@@ -91,11 +91,17 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         track: &Track,
         until: RobotTime,
     ) -> (Window, Displacement, WheelSpeeds) {
-        let drive = &self.acting.drive;
+        let (drive, acting) = (&self.described_drive(), &self.acting.drive);
+        let (floors, is_scaled) = (self.watch.floors(), self.scale().is_some());
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            let piece = window.add(self.watch.floors().moving(twist), duration);
+            // Errors are those of commands as described, whatever else is known of the drive.
+            let mut piece = window.add(floors.moving(twist), duration);
+            if is_scaled {
+                let (_, twist) = kinematics::travel(acting, wheels, speeds, duration);
+                piece = kinematics::integrate(floors.moving(twist), duration);
+            }
             moved = Some(moved.map_or(piece, |moved: Displacement| moved.then(piece)));
             wheels = end;
         });
@@ -142,7 +148,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         end: &Observation,
         observer: &mut impl SampleObserver,
     ) -> Window {
-        let Settings { drive, noise, attribution, .. } = self.acting;
+        let (Settings { noise, attribution, .. }, drive) = (self.acting, self.described_drive());
         let start = window.start.taken;
         let is_taught = self.teaches_from.is_some_and(|from| start >= from);
         if !is_taught || self.heard.was_away(start, end.taken) {

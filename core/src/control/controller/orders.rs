@@ -7,8 +7,9 @@ use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
 use crate::identification::Belief;
+use crate::kinematics::Drive;
 use crate::local::LocalLimits;
-use crate::settings::Settings;
+use crate::settings::{Method, Settings};
 use crate::task::Task;
 use crate::time::RobotTime;
 
@@ -92,15 +93,20 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let relearn =
             (old.method, old.prior, old.drift) != (settings.method, settings.prior, settings.drift);
         if relearn {
-            self.belief = Belief::new(settings.method, &settings.prior, settings.drift);
+            self.belief = Belief::new(settings.method, &settings.prior, settings.uses_drift());
+        }
+        let shape = |drive: &Drive| (drive.wheel_radius, drive.track_width);
+        if settings.method == Method::Adaptive && shape(&old.drive) != shape(&settings.drive) {
+            // Samples are of commands as described; what they said of the drive stays.
+            let blank = Belief::new(settings.method, &settings.prior, settings.uses_drift());
+            self.belief.restore(blank.channels());
         }
         if relearn || old.drive != settings.drive {
             self.watch.unlearn();
             self.healthy = None;
         }
-        if old.identifies_lag != settings.identifies_lag {
-            self.follows = Follows::new(&settings);
-        }
+        let follows = Follows::redescribed(self.follows.take(), old, &settings);
+        self.follows = follows.or_else(|| Follows::new(&settings));
         self.settings = settings;
         self.act();
         if self.trace.is_some() {

@@ -47,7 +47,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let since_change = self.enter_phase(newest, begins);
         self.teaches_from.get_or_insert(begins);
 
-        let model = self.compensation.estimator.error_model(&self.belief, track.last.pose);
+        let estimator = &self.compensation.estimator;
+        let model = match self.scale() {
+            Some(scale) => self.belief.model_of(&scale),
+            None => estimator.error_model(&self.belief, track.last.pose),
+        };
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
         let before = self.commands.at(attribution, &drive, begins - 1e-6);
         let age = request.sent - taken;

@@ -29,6 +29,11 @@ impl Axis {
         Self { from: 0.0, step: most / (points - 1) as f64, points, most, finest }
     }
 
+    /// One point, which is known.
+    pub const fn known(value: f64) -> Self {
+        Self { from: value, step: 0.0, points: 1, most: value, finest: 0.0 }
+    }
+
     /// How many points it has.
     pub fn len(&self) -> usize {
         self.points
@@ -52,6 +57,9 @@ impl Axis {
 
     /// Finer where much is known, farther where an end is likely: by the weights of its points. None where it stays.
     pub fn fitted(&self, weights: &[f64]) -> Option<Self> {
+        if self.points == 1 {
+            return None;
+        }
         let mean: f64 = weights.iter().enumerate().map(|(i, weight)| weight * self.at(i)).sum();
         let variance: f64 = weights
             .iter()

@@ -5,6 +5,9 @@ use crate::identification::Status;
 /// Probability of each tail outside an interval that is shown.
 const TAIL: f64 = (1.0 - crate::identification::estimate::LEVEL) / 2.0;
 
+/// Half the width of an interval that is shown, in standard deviations of a normal distribution.
+const HALF_WIDTH: f64 = 1.644_853_626_951_472_2;
+
 /// A quantity with its uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quantity {
@@ -63,10 +66,21 @@ pub struct DriveEstimate {
     pub dead_time: Quantity,
     /// The sum before any sample.
     pub prior: Quantity,
+    /// Forward motion per forward motion commanded, less one; turn per turn, less one; turn in rad per metre.
+    pub scale: [Quantity; 3],
     /// Stretches of motion taken in.
     pub stretches: u64,
     /// Those that no hypothesis explains.
     pub not_understood: u64,
+}
+
+impl Quantity {
+    /// Of a normal distribution.
+    pub(super) fn normal(mean: f64, variance: f64) -> Self {
+        let sd = variance.max(0.0).sqrt();
+        let half = HALF_WIDTH * sd;
+        Self { mean, sd, interval: (mean - half, mean + half) }
+    }
 }
 
 impl DriveEstimate {

@@ -52,6 +52,13 @@ impl Grid {
         prior
     }
 
+    /// Where both are known.
+    pub fn known(dead_time: f64, lag: f64) -> Self {
+        let sum = dead_time + lag;
+        let share = if sum > 0.0 { lag / sum } else { 0.0 };
+        Self { sums: Axis::known(sum), shares: Axis::known(share), weights: vec![1.0] }
+    }
+
     fn hypothesis(&self, index: usize) -> Hypothesis {
         let shares = self.shares.len();
         Hypothesis {
@@ -90,7 +97,7 @@ impl Grid {
     pub fn fit(&mut self) {
         let sums = self.sums.fitted(&self.of_sums()).unwrap_or(self.sums);
         let shares = self.shares.fitted(&self.of_shares()).unwrap_or(self.shares);
-        if (sums, shares) == (self.sums, self.shares) {
+        if (sums, shares) == (self.sums, self.shares) || self.weights.len() == 1 {
             return;
         }
         let before = std::mem::replace(self, Self { sums, shares, weights: Vec::new() });

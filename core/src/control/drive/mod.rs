@@ -18,6 +18,7 @@ pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
 
 use crate::exchange::PoseNoise;
 use crate::kinematics::Drive;
+use crate::prediction::Scale;
 use filter::{Filters, Judgement};
 use grid::{Grid, Hypothesis};
 use regression::Regression;
@@ -38,12 +39,12 @@ pub const PRIOR_LAG_SHARE: f64 = 0.75;
 /// Longest sum of dead time and lag in s that is looked for.
 pub const LONGEST: f64 = 0.6;
 
-/// Standard deviation of the scale of forward motion and of turns before any sample.
-const SCALE_SPREAD: f64 = 0.3;
+/// Standard deviation of the scale of forward motion and of turns before any sample: wheels told wrong by 2 to 20 % are
+/// common (field facts). By a factor of two they are not rare, and a second of motion outweighs this.
+const SCALE_SPREAD: f64 = 0.1;
 
-/// Half a track by which one metre of drift is off where wheels are unequal by 10 %: standard deviation of the drift times
-/// the track.
-const UNEQUAL_WHEELS: f64 = 0.1;
+/// Standard deviation of the drift times the track before any sample: of wheels that are unequal by 5 %.
+const UNEQUAL_WHEELS: f64 = 0.05;
 
 /// Standard deviations squared of a pose from where the best hypothesis has it, on average, up to which a stretch says what
 /// it seems to: half of all that are understood stay below one.
@@ -79,11 +80,20 @@ pub struct DriveBelief {
 }
 
 impl DriveBelief {
-    /// The belief before any sample, of a robot with this track in m.
+    /// The belief before any sample, of a robot with this track in m of whose drive nothing else is known.
     pub fn new(track_width: f64) -> Self {
+        Self::with(Grid::prior(), track_width)
+    }
+
+    /// The belief before any sample where it is known how late the drive follows.
+    pub fn of_known_lag(drive: &Drive) -> Self {
+        Self::with(Grid::known(drive.dead_time, drive.lag), drive.track_width)
+    }
+
+    fn with(grid: Grid, track_width: f64) -> Self {
         let drift = UNEQUAL_WHEELS / track_width;
         Self {
-            grid: Grid::prior(),
+            grid,
             turn: Regression::new([SCALE_SPREAD, drift]),
             forward: Regression::new([SCALE_SPREAD]),
             stretches: 0,
@@ -165,8 +175,33 @@ impl DriveBelief {
         Judged { hypothesis, turn, forward, surprise }
     }
 
+    /// How the drive differs from what is described.
+    pub fn scale(&self) -> Scale {
+        let (turn, drift) = (self.turn.mean[0], self.turn.mean[1]);
+        Scale { forward: self.forward.mean[0], turn, drift }
+    }
+
+    /// How sure that is: standard deviations.
+    pub fn scale_sd(&self) -> Scale {
+        let turn = self.turn.covariance;
+        Scale {
+            forward: self.forward.covariance[(0, 0)].sqrt(),
+            turn: turn[(0, 0)].sqrt(),
+            drift: turn[(1, 1)].sqrt(),
+        }
+    }
+
+    /// The same belief of a drive that is described as `now` from here on, and was as `before`.
+    pub fn described_anew(mut self, before: &Drive, now: &Drive) -> Self {
+        let forward = before.wheel_radius / now.wheel_radius;
+        let turn = forward * now.track_width / before.track_width;
+        self.forward.rescale([forward], [forward - 1.0]);
+        self.turn.rescale([turn, forward], [turn - 1.0, 0.0]);
+        self
+    }
+
     /// `drive` with the expected dead time and lag, once any motion has taught them.
-    pub fn acting(&self, drive: &Drive) -> Drive {
+    pub fn late(&self, drive: &Drive) -> Drive {
         if self.stretches == 0 {
             return *drive;
         }
@@ -181,6 +216,11 @@ impl DriveBelief {
             lag: self.grid.lag(),
             dead_time: self.grid.dead_time(),
             prior: Grid::prior().sum(),
+            scale: [
+                Quantity::normal(self.forward.mean[0], self.forward.covariance[(0, 0)]),
+                Quantity::normal(self.turn.mean[0], self.turn.covariance[(0, 0)]),
+                Quantity::normal(self.turn.mean[1], self.turn.covariance[(1, 1)]),
+            ],
             stretches: self.stretches,
             not_understood: self.not_understood,
         }

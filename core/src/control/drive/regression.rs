@@ -33,6 +33,14 @@ impl<const P: usize> Regression<P> {
         }
     }
 
+    /// Each constant becomes `factor` times itself and `offset` more.
+    pub fn rescale(&mut self, factor: [f64; P], offset: [f64; P]) {
+        let factor = SVector::from(factor);
+        self.mean = self.mean.component_mul(&factor) + SVector::from(offset);
+        let factor = SMatrix::from_diagonal(&factor);
+        self.covariance = factor * self.covariance * factor;
+    }
+
     /// The mixture of what hypotheses say, each with its weight, by its moments. The weights sum to one.
     pub fn mixture(judged: impl Iterator<Item = (Self, f64)> + Clone) -> Self {
         let mut mixed = Self {

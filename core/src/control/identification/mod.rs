@@ -18,7 +18,7 @@ pub use status::{LEAST_SAMPLES, Status, progress};
 pub use window::{MAX_WINDOW_SLOTS, Sample, Samples, Verdict, WINDOW_SLOTS, Window};
 
 use super::condition::Condition;
-use crate::prediction::{ChannelModel, ErrorModel};
+use crate::prediction::{ChannelModel, ErrorModel, Scale};
 use crate::settings::{Method, Prior};
 use crate::time::RobotTime;
 use estimate::{Channel, Estimates};
@@ -102,14 +102,20 @@ impl Belief {
     /// Learned means are clamped so that 1 + mu stays in \[0.3, 1.5\]: no prior, however evolved, reverses or
     /// explodes a prediction; means of lateral and drift stay within half a metre or radian per metre.
     pub fn model(&self) -> ErrorModel {
+        self.unclamped().clamped()
+    }
+
+    /// The same for commands of a drive of this `scale` against that described. The clamps are for what is left to the
+    /// floor.
+    pub fn model_of(&self, scale: &Scale) -> ErrorModel {
+        self.unclamped().relative_to(scale).clamped()
+    }
+
+    fn unclamped(&self) -> ErrorModel {
         let [forward, lateral, turn, drift] =
             Channel::ALL.map(|channel| self.channel_model(channel));
-        ErrorModel {
-            forward: clamped(forward, -0.7, 0.5),
-            lateral: clamped(lateral, -0.5, 0.5),
-            turn: clamped(turn, -0.7, 0.5),
-            drift: if self.drift { clamped(drift, -0.5, 0.5) } else { ChannelModel::PERFECT },
-        }
+        let drift = if self.drift { drift } else { ChannelModel::PERFECT };
+        ErrorModel { forward, lateral, turn, drift }
     }
 
     fn channel_model(&self, channel: Channel) -> ChannelModel {
@@ -120,7 +126,7 @@ impl Belief {
             Method::Statistic => {
                 belief.statistic().unwrap_or_else(|| fixed::channel(&fixed::FIXED_NORMAL, channel))
             }
-            Method::Bayesian => ChannelModel::from_posterior(belief.posterior()),
+            Method::Bayesian | Method::Adaptive => ChannelModel::from_posterior(belief.posterior()),
         }
     }
 
@@ -143,7 +149,7 @@ impl Belief {
         let progress = match self.method {
             Method::FixedNormal | Method::FixedBad => return Status::Unestimated,
             Method::Statistic => progress(belief.samples() as f64 - 1.0, 0.0),
-            Method::Bayesian => belief.progress(),
+            Method::Bayesian | Method::Adaptive => belief.progress(),
         };
         match rejected {
             Some(reason) => Status::Rejected { reason },
@@ -166,10 +172,6 @@ impl Belief {
             poses_set_aside: self.poses_set_aside,
         }
     }
-}
-
-fn clamped(model: ChannelModel, low: f64, high: f64) -> ChannelModel {
-    ChannelModel { mean: model.mean.clamp(low, high), ..model }
 }
 
 #[cfg(test)]

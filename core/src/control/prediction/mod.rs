@@ -10,7 +10,7 @@ mod motion;
 mod pieces;
 mod spread;
 
-pub use model::{ChannelModel, ERROR_WINDOW, ErrorModel, UNSURE};
+pub use model::{ChannelModel, ERROR_WINDOW, ErrorModel, Scale, UNSURE};
 pub use moments::Moments;
 pub use monte_carlo::Agents;
 pub use motion::Motion;

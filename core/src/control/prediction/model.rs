@@ -64,3 +64,65 @@ impl ErrorModel {
         drift: ChannelModel::PERFECT,
     };
 }
+
+impl ErrorModel {
+    /// With means within what floors do: 1 + mean in \[0.3, 1.5\], half a metre or radian per metre.
+    pub fn clamped(self) -> Self {
+        let within = |model: ChannelModel, low: f64, high: f64| ChannelModel {
+            mean: model.mean.clamp(low, high),
+            ..model
+        };
+        Self {
+            forward: within(self.forward, -0.7, 0.5),
+            lateral: within(self.lateral, -0.5, 0.5),
+            turn: within(self.turn, -0.7, 0.5),
+            drift: within(self.drift, -0.5, 0.5),
+        }
+    }
+
+    /// The model for the commands of a drive of this `scale`, where it is one for commands as described.
+    ///
+    /// v = v' (1 + s_f) and omega = omega' (1 + s_t) + v' d of the commands as described, so what they miss by is
+    /// (1 + mean)/(1 + s) - 1 of what such a drive makes of them.
+    pub fn relative_to(self, scale: &Scale) -> Self {
+        let Scale { forward, turn, drift } = *scale;
+        let left = |model: ChannelModel, factor: f64| model.affine(factor, factor - 1.0);
+        let (by_forward, by_turn) = ((1.0 + forward).recip(), (1.0 + turn).recip());
+        let turn = left(self.turn, by_turn);
+        Self {
+            forward: left(self.forward, by_forward),
+            lateral: self.lateral.affine(by_forward, 0.0),
+            turn,
+            drift: self.drift.affine(by_forward, -drift * (1.0 + turn.mean) * by_forward),
+        }
+    }
+}
+
+impl ChannelModel {
+    /// The model of `factor` times the ratio, plus `offset`.
+    fn affine(self, factor: f64, offset: f64) -> Self {
+        let square = factor * factor;
+        let mean = self.mean * factor + offset;
+        let posterior = self.posterior.and_then(|it| {
+            NormalInverseChiSquared::new(it.mu() * factor + offset, it.k(), it.r(), it.s() * square)
+                .ok()
+        });
+        Self {
+            mean,
+            variance: self.variance * square,
+            mean_variance: self.mean_variance * square,
+            posterior,
+        }
+    }
+}
+
+/// How a drive differs from its description: what it makes of commands as described.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scale {
+    /// Forward motion per forward motion commanded, less one.
+    pub forward: f64,
+    /// Turn per turn commanded, less one.
+    pub turn: f64,
+    /// Turn in rad per metre commanded.
+    pub drift: f64,
+}

@@ -17,6 +17,9 @@ const WORTH_TURNING: f64 = 0.02;
 /// Beyond this heading error in rad a turn under way keeps its side: half a turn has no shorter one.
 const KEEP_SIDE: f64 = 2.0;
 
+/// Part of the smallest speed up to which a robot turns in place: what becomes of a turn where more is known of its wheels.
+const IN_PLACE: f64 = 0.1;
+
 /// Times that differ by less than this many s are the same moment.
 const SAME_TIME: f64 = 1e-6;
 
@@ -121,10 +124,10 @@ impl<F: PathFollower> Roll<'_, F> {
     }
 
     fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {
-        if self.state.previous.linear != 0.0 {
+        let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
+        if self.state.previous.linear.abs() > IN_PLACE * drive.min_linear {
             return Some(Twist::ZERO);
         }
-        let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
         let (ahead, aside) = pose.toward(target);
         // Where the robot stands on the point, its direction is noise: nothing to turn to.
         let distance = length(ahead, aside);

@@ -47,10 +47,10 @@ impl Saved {
     /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,
     /// and what the robot is doing is a part of that task.
     pub fn fits(&self, settings: &Settings, task: Option<&Task>) -> bool {
-        let Settings { method, prior, drift, .. } = settings;
+        let Settings { method, prior, .. } = settings;
         let mut blank = self.belief.clone();
         blank.reset();
-        blank == Belief::new(*method, prior, *drift)
+        blank == Belief::new(*method, prior, settings.uses_drift())
             && match task {
                 None => self.phase == Phase::Idle && self.record == Record::default(),
                 Some(task) => self.is_part_of(task),
