@@ -86,7 +86,7 @@ fn scaled(drive: &Drive, belief: &DriveBelief) -> Drive {
     Drive {
         wheel_radius: drive.wheel_radius * forward,
         track_width,
-        unequal: drift * track_width / forward,
+        unequal: drive.unequal + drift * track_width / forward,
         max_linear: drive.max_linear / larger(forward, sd.forward),
         max_angular: drive.max_angular / larger(turn, sd.turn),
         // The motors stand below a speed of the wheels.
