@@ -36,6 +36,7 @@ const CORE: Layers = &[
     &["control/commands/"],
     &["control/prediction/"],
     &["control/identification/"],
+    &["control/drive/"],
     &["control/steering.rs"],
     &["control/watch/", "control/check/"],
     &["control/controller/"],

@@ -10,10 +10,12 @@ mod axis;
 mod estimate;
 mod filter;
 mod grid;
+mod recording;
 mod regression;
 mod stretch;
 
 pub use estimate::{DriveEstimate, Quantity};
+pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
 pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
 
 use crate::exchange::PoseNoise;
