@@ -42,7 +42,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    fn between(from: &Observation, to: &Observation) -> Self {
+    /// The second pose as seen from the first.
+    pub(super) fn between(from: &Observation, to: &Observation) -> Self {
         let turned = to.pose.heading.minus(from.pose.heading);
         let (sin, cos) = sin_cos(from.pose.heading.radians() + turned / 2.0);
         let (x, y) = (to.pose.x - from.pose.x, to.pose.y - from.pose.y);
@@ -67,6 +68,11 @@ impl Commanded {
     /// Whether it changes at all.
     pub fn changes(&self) -> bool {
         self.pieces.len() > 1
+    }
+
+    /// Whether it drives, and does not only turn.
+    pub(super) fn drives(&self) -> bool {
+        self.pieces.iter().any(|(twist, _)| twist.linear != 0.0)
     }
 
     /// Whether anything moves.
