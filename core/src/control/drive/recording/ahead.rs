@@ -72,9 +72,9 @@ impl DriveBelief {
 }
 
 /// A pose of the recording, as the commands have it.
-struct Reckoned {
+pub(super) struct Reckoned {
     /// From an arbitrary start, without a correction ever.
-    pose: Pose,
+    pub(super) pose: Pose,
     /// Until when something was commanded to move.
     moved: RobotTime,
 }
@@ -122,7 +122,7 @@ impl Recording {
     }
 
     /// Where the robot is at every pose as the commands have it, which are followed so.
-    fn reckon(&self, followed: &Followed) -> Vec<Reckoned> {
+    pub(super) fn reckon(&self, followed: &Followed) -> Vec<Reckoned> {
         let Followed { dead_time, lag, forward, turn, drift } = *followed;
         let start = self.commands.first().map_or(RobotTime::NEVER, |(time, _)| *time);
         let end = self.poses.last().map_or(start, |pose| pose.taken);

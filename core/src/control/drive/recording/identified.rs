@@ -10,6 +10,9 @@ use crate::exchange::PoseNoise;
 pub struct Identified {
     /// The belief after the whole recording.
     pub belief: DriveBelief,
+    /// About the sum of dead time, lag and offset of the stamps in s by the first half, where it is looked for closer; less
+    /// than 0 where poses are stamped by a clock that is behind. None where nothing moves.
+    pub rough: Option<f64>,
     /// What the first half is worth for the second; none where the first half says nothing, or nothing moves in the second.
     pub comparison: Option<Comparison>,
 }
@@ -33,11 +36,14 @@ impl Recording {
         ahead: f64,
         mut progress: impl FnMut(f64),
     ) -> Identified {
-        let mut belief = DriveBelief::new(track_width);
         let Some((from, until)) = self.known() else {
-            return Identified { belief, comparison: None };
+            let belief = DriveBelief::new(track_width);
+            return Identified { belief, rough: None, comparison: None };
         };
         let middle = from + (until - from) / 2.0;
+        let rough = self.rough_sum(middle, noise);
+        let near = |rough: f64| DriveBelief::near(rough, track_width);
+        let mut belief = rough.map_or_else(|| DriveBelief::new(track_width), near);
         let mut half = None;
         for (stretch, commanded) in self.stretches() {
             let Some((_, last)) = stretch.ends() else { continue };
@@ -56,6 +62,6 @@ impl Recording {
                 at_once: self.errors_ahead(&at_once, middle, ahead)?,
             })
         });
-        Identified { belief, comparison }
+        Identified { belief, rough, comparison }
     }
 }

@@ -6,6 +6,7 @@
 mod ahead;
 mod identified;
 mod jumps;
+mod rough;
 
 pub use ahead::{ErrorsAhead, Followed, Percentiles};
 pub use identified::{Comparison, Identified};
@@ -24,6 +25,10 @@ const JITTER: f64 = 0.002;
 
 /// Where poses are missing for longer in s, another stretch begins.
 const GAP: f64 = 0.5;
+
+/// For so many s before a stretch it is known what was commanded: after the longest sum of dead time and lag the state of the
+/// wheels before is forgotten.
+const HISTORY: f64 = 2.0 * LONGEST;
 
 /// Fewest poses of a stretch that says something.
 const FEWEST: usize = 3;
@@ -62,7 +67,7 @@ impl Recording {
             loop {
                 let stretch = next_stretch(&mut poses, &mut before)?;
                 let (first, last) = stretch.ends()?;
-                let commanded = self.commanded(first.taken - LONGEST, last.taken, &mut in_force);
+                let commanded = self.commanded(first.taken - HISTORY, last.taken, &mut in_force);
                 if stretch.poses.len() >= FEWEST && commanded.moves() {
                     return Some((stretch, commanded));
                 }
