@@ -186,6 +186,8 @@ mod tests {
             "umwelt stop a --all",
             "umwelt events --type nothing",
             "umwelt robot add a --prior _wet",
+            "umwelt identify",
+            "umwelt identify poses.csv --ahead 0",
             "umwelt evolve --preset fast",
             "umwelt evolve --optimizer guess",
             "umwelt evolve --population many",

@@ -64,6 +64,8 @@ pub(super) struct Report {
     stretches: u64,
     not_understood: u64,
     predicted: Option<Predicted>,
+    /// About the delay by least squares, below 0 where clocks differ; where the numbers above were looked for.
+    rough_delay_s: Option<f64>,
     notes: Vec<String>,
 }
 
@@ -131,6 +133,7 @@ impl Report {
             stretches: estimate.stretches,
             not_understood: estimate.not_understood,
             predicted: identified.comparison.map(Predicted::from),
+            rough_delay_s: identified.rough,
             notes: Vec::new(),
         };
         report.notes = report.notes();
@@ -141,6 +144,7 @@ impl Report {
     fn notes(&self) -> Vec<String> {
         let (low, high) = (self.delay_s.low_s, self.delay_s.high_s);
         let mut notes = Vec::new();
+        let rough = self.rough_delay_s.unwrap_or(low);
         if self.not_understood > self.stretches {
             notes.push(
                 "most of the motion is not understood: are the clocks the same, the axes right, the wheels not swapped? \
@@ -149,18 +153,18 @@ impl Report {
         }
         if self.stretches == 0 {
             notes.push("nothing was learned: the numbers are what is presumed of any drive");
+        } else if rough < AT_END {
+            notes.push(
+                "the robot moves with its commands or before: the clock of the poses seems to be behind, see --shift-poses",
+            );
+        } else if rough > LONGEST - AT_END {
+            notes.push(
+                "the robot moves later than is looked for: the clock of the poses seems to be ahead, see --shift-poses",
+            );
         } else if high - low > WIDE {
             notes.push(
                 "the recording says little of the delay: it has few starts and stops, or poses are rare or noisy; drive \
                  some ten starts and stops, best turns in place",
-            );
-        } else if low < AT_END {
-            notes.push(
-                "the robot moves with its commands or before: the clock of the poses seems to be behind, see --shift-poses",
-            );
-        } else if high > LONGEST - AT_END {
-            notes.push(
-                "the robot moves later than is looked for: the clock of the poses seems to be ahead, see --shift-poses",
             );
         }
         notes.into_iter().map(str::to_owned).collect()
