@@ -34,8 +34,8 @@ struct Options {
     offset: f64,
     /// Times the noise of a camera.
     noise: f64,
-    /// A preset of slip, by its place among those that there are.
-    floor: f64,
+    /// A preset of slip.
+    floor: Slip,
     /// Seconds without poses in every minute.
     gap: f64,
     seed: f64,
@@ -54,12 +54,17 @@ impl Options {
             shake: 0.0,
             offset: 0.0,
             noise: 1.0,
-            floor: 0.0,
+            floor: Slip::NONE,
             gap: 0.0,
             seed: 1.0,
         };
         for argument in arguments {
             let (name, value) = argument.split_once('=').ok_or("an option is NAME=VALUE")?;
+            if name == "floor" {
+                let no_such = || format!("a floor is one of {SLIP_PRESETS:?}");
+                read.floor = Slip::preset(value).ok_or_else(no_such)?;
+                continue;
+            }
             let value: f64 = value.parse()?;
             match name {
                 "lag" => read.lag = value,
@@ -72,7 +77,6 @@ impl Options {
                 "shake" => read.shake = value,
                 "offset" => read.offset = value,
                 "noise" => read.noise = value,
-                "floor" => read.floor = value,
                 "gap" => read.gap = value,
                 "seed" => read.seed = value,
                 other => return Err(format!("there is no option {other}").into()),
@@ -94,14 +98,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     writeln!(commands, "t_s,linear_m_per_s,angular_rad_per_s")?;
 
     let drive = Drive { lag: options.lag, dead_time: options.dead, ..Drive::default() };
-    let floor = SLIP_PRESETS.get(options.floor as usize).ok_or("there is no such floor")?;
-    let slip = Slip::preset(floor).ok_or("there is no such floor")?;
     let noise = PoseNoise {
         position: options.noise * PoseNoise::CAMERA.position,
         heading: options.noise * PoseNoise::CAMERA.heading,
     };
     let seed = options.seed as u64;
-    let mut plant = Plant::new(PlantModel { drive, slip, noise }, Pose::default(), seed)?;
+    let mut plant =
+        Plant::new(PlantModel { drive, slip: options.floor, noise }, Pose::default(), seed)?;
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let (mut wanted, mut until, mut taken) = (Twist::ZERO, 1.0, 0_u64);
     let (mut next_pose, mut next_command, mut sent) = (0.0, 0.0, Twist::ZERO);

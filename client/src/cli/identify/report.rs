@@ -11,6 +11,9 @@ const WIDE: f64 = 0.03;
 /// A delay that ends nearer than this in s to what is looked for at all is at that end.
 const AT_END: f64 = 0.01;
 
+/// Dead times below this in s are none: every motor driver takes as long.
+const NO_DEAD_TIME: f64 = 0.001;
+
 /// Times with their uncertainty in s. The interval holds with 90 %.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Seconds {
@@ -155,16 +158,23 @@ impl Report {
             notes.push("nothing was learned: the numbers are what is presumed of any drive");
         } else if rough < AT_END {
             notes.push(
-                "the robot moves with its commands or before: the clock of the poses seems to be behind, see --shift-poses",
+                "the robot moves with its commands or before: the clock of the poses seems to be behind; add to it, as \
+                 --shift-poses 0.3, and take that off the dead time again",
             );
         } else if rough > LONGEST - AT_END {
             notes.push(
-                "the robot moves later than is looked for: the clock of the poses seems to be ahead, see --shift-poses",
+                "the robot moves later than is looked for: the clock of the poses seems to be ahead; take off it, as \
+                 --shift-poses -0.3, and add that to the dead time again",
             );
         } else if high - low > WIDE {
             notes.push(
                 "the recording says little of the delay: it has few starts and stops, or poses are rare or noisy; drive \
                  some ten starts and stops, best turns in place",
+            );
+        } else if self.dead_time_s.high_s < NO_DEAD_TIME {
+            notes.push(
+                "there is no dead time at all: where the drive has some, the clock of the poses is behind; see whether \
+                 --shift-poses 0.3 predicts better",
             );
         }
         notes.into_iter().map(str::to_owned).collect()
