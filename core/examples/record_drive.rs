@@ -4,6 +4,8 @@
 //! `cargo run --release -p umwelt-core --example record_drive -- POSES.csv COMMANDS.csv [NAME=VALUE ...]`, where a name is
 //! one of those in [`Options`].
 
+#![allow(clippy::disallowed_types, reason = "an example writes files")]
+
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;

@@ -2,8 +2,22 @@
 
 use super::axis::{Axis, interpolated};
 use super::estimate::Quantity;
-use super::{GIVEN_UP, LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
 use serde::{Deserialize, Serialize};
+
+/// Median of the prior of the sum of dead time and lag in s; 95 % lie within 0.044 to 0.38 s.
+///
+/// Field facts: robots of the 0.1 m class need 60 to 200 ms; ten recorded iRobot Creates show 200 to 280 ms, with the
+/// offset of their logs in it.
+pub const PRIOR_MEDIAN: f64 = 0.13;
+
+/// Standard deviation of the natural logarithm of that sum before any sample.
+pub const PRIOR_SPREAD: f64 = 0.55;
+
+/// Longest sum of dead time and lag in s that is looked for.
+pub const LONGEST: f64 = 0.6;
+
+/// A weight below this is none: the hypothesis is given up.
+const GIVEN_UP: f64 = 1e-12;
 
 /// The sum in s, to 0.3 ms at the finest.
 const SUMS: Axis = Axis::new(41, LONGEST, 3e-4);

@@ -15,6 +15,7 @@ mod regression;
 mod stretch;
 
 pub use estimate::{DriveEstimate, Quantity};
+pub use grid::{LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
 pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
 pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
 
@@ -25,20 +26,8 @@ use grid::{Grid, Hypothesis};
 use regression::Regression;
 use serde::{Deserialize, Serialize};
 
-/// Median of the prior of the sum of dead time and lag in s; 95 % lie within 0.044 to 0.38 s.
-///
-/// Field facts: robots of the 0.1 m class need 60 to 200 ms; ten recorded iRobot Creates show 200 to 280 ms, with the
-/// offset of their logs in it.
-pub const PRIOR_MEDIAN: f64 = 0.13;
-
-/// Standard deviation of the natural logarithm of that sum before any sample.
-pub const PRIOR_SPREAD: f64 = 0.55;
-
 /// Part of the sum that is lag where nothing is known of it.
 pub const PRIOR_LAG_SHARE: f64 = 0.75;
-
-/// Longest sum of dead time and lag in s that is looked for.
-pub const LONGEST: f64 = 0.6;
 
 /// Standard deviation of the scale of forward motion and of turns before any sample.
 const SCALE_SPREAD: f64 = 0.3;
@@ -66,9 +55,6 @@ const ROUNDS: u32 = 5;
 
 /// Chance that the spread of the slip is another one in the next stretch.
 const OTHER_FLOOR: f64 = 0.02;
-
-/// A weight below this is none: the hypothesis is given up.
-const GIVEN_UP: f64 = 1e-12;
 
 /// What is believed of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
