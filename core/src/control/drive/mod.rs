@@ -3,8 +3,8 @@
 //!
 //! From poses and commands alone only the **sum** of dead time, lag and the offset of the poses' stamps is known well; how
 //! it parts into dead time and lag shows in the shape of starts and stops, as far as the noise allows. Both are hypotheses
-//! on a grid ([`grid`]), each judged by how well it predicts the poses of a [`Stretch`] of motion. What else is unknown
-//! meanwhile, scale and slip, is carried along ([`filter`]) and integrated out.
+//! on a grid (`grid`), each judged by how well it predicts the poses of a [`Stretch`] of motion. What else is unknown
+//! meanwhile, scale and slip, is carried along (`filter`) and integrated out.
 
 mod axis;
 mod estimate;
