@@ -15,7 +15,7 @@ step 'lints';           cargo clippy --workspace --all-targets --locked -- -D wa
 step 'build';           cargo build --workspace --all-targets --locked
 step 'parts alone';     cargo clippy -p umwelt-core --no-default-features --locked -- -D warnings
                         cargo test -p umwelt-core --no-default-features --lib --test robot_side --locked
-                        cargo clippy -p umwelt-client --locked -- -D warnings
+                        cargo clippy -p umwelt-client --no-default-features --all-targets --locked -- -D warnings
 step 'tests';           cargo test --workspace --locked
 step 'real-time tests'; cargo test --workspace --test real_time --locked -- --test-threads=1
 step 'contract';        bash tests/contract.sh

@@ -20,7 +20,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let name = name(path);
     let wrong = |error: &io::Error| Failure::Wrong(format!("cannot read {name}: {error}"));
     let mut bytes = Vec::new();
-    let read = if path.as_os_str() == STANDARD_INPUT {
+    let read = if is_standard(path) {
         io::stdin().lock().take(MAX_FILE + 1).read_to_end(&mut bytes)
     } else {
         File::open(path).and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes))
@@ -42,13 +42,14 @@ pub(super) fn without(json: Vec<u8>, given_by_server: &[&str]) -> Vec<u8> {
     Value::Object(fields).to_string().into_bytes()
 }
 
+/// Whether it stands for standard input.
+pub(super) fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == STANDARD_INPUT
+}
+
 /// What to call a file in messages.
 pub(super) fn name(path: &Path) -> String {
-    if path.as_os_str() == STANDARD_INPUT {
-        "standard input".to_owned()
-    } else {
-        path.display().to_string()
-    }
+    if is_standard(path) { "standard input".to_owned() } else { path.display().to_string() }
 }
 
 /// Reads a place, as `0.2,-0.1`.

@@ -11,6 +11,8 @@ mod events;
 mod evolution;
 mod evolve;
 mod failure;
+#[cfg(feature = "identify")]
+mod identify;
 mod input;
 mod job;
 mod output;
@@ -97,6 +99,9 @@ enum Command {
     Resume(stop::Which),
     /// Follow what happens to a robot, or to all
     Events(events::Follow),
+    /// Identify dead time and lag of a drive from recorded poses and commands, without a server
+    #[cfg(feature = "identify")]
+    Identify(identify::Identify),
 }
 
 /// Runs the program with the arguments of the process.
@@ -107,6 +112,14 @@ pub fn main() -> ExitCode {
         Err(error) => return Failure::Failed(format!("cannot start: {error}")).report(),
     };
     let mut output = Output::standard(json);
+    // Asks no server: what is said of one is not looked at.
+    #[cfg(feature = "identify")]
+    if let Command::Identify(identify) = &command {
+        return match identify.run(&mut output) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => failure.report(),
+        };
+    }
     let client = client(&server, token_file.as_deref());
     let done = client.and_then(|client| runtime.block_on(run(&client, command, &mut output)));
     match done {
@@ -133,6 +146,8 @@ async fn run(client: &Client, command: Command, output: &mut Output) -> Result<(
         Command::Stop(which) => which.run(client, output, true).await,
         Command::Resume(which) => which.run(client, output, false).await,
         Command::Events(follow) => follow.run(client, output).await,
+        #[cfg(feature = "identify")]
+        Command::Identify(identify) => identify.run(output),
     }
 }
 
@@ -171,6 +186,8 @@ mod tests {
             "umwelt stop a --all",
             "umwelt events --type nothing",
             "umwelt robot add a --prior _wet",
+            "umwelt identify",
+            "umwelt identify poses.csv --ahead 0",
             "umwelt evolve --preset fast",
             "umwelt evolve --optimizer guess",
             "umwelt evolve --population many",

@@ -14,7 +14,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("umwelt-memory", &[]),
     ("umwelt-sources", &[]),
     ("umwelt-server", &["umwelt-core", "umwelt-api", "umwelt-lab", "umwelt-memory"]),
-    ("umwelt-client", &["umwelt-api"]),
+    ("umwelt-client", &["umwelt-api", "umwelt-core"]),
     ("umwelt-agent", &["umwelt-core", "umwelt-client"]),
     (
         "umwelt-tests",

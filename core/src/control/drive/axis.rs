@@ -2,14 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A coordinate is made finer where it is known to fewer of its steps than this.
+/// A coordinate is made finer where it is known to fewer of its steps than this, and where the finer one still reaches
+/// [`REACH`] standard deviations to both sides: it would be made coarser again.
 const FINER: f64 = 1.2;
 
+/// Standard deviations at which a weight is well below [`AT_END`].
+const REACH: f64 = 4.0;
+
 /// How much finer, or coarser again.
-const ZOOM: f64 = 3.0;
+const ZOOM: f64 = 2.0;
 
 /// Weight at an end from which on the grid ought to reach farther.
-const AT_END: f64 = 1e-4;
+const AT_END: f64 = 1e-3;
 
 /// Points at even steps within a range that begins at 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +28,14 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// The same number of points around `value`, `step` apart.
+    pub fn around(self, value: f64, step: f64) -> Self {
+        let last = self.points - 1;
+        let longest = (self.most - step * last as f64).max(0.0);
+        let from = (value - step * (last / 2) as f64).clamp(0.0, longest);
+        Self { from: (from / step).round() * step, step, ..self }
+    }
+
     /// So many points from 0 to `most`, at first.
     pub const fn new(points: usize, most: f64, finest: f64) -> Self {
         Self { from: 0.0, step: most / (points - 1) as f64, points, most, finest }
@@ -32,6 +44,10 @@ impl Axis {
     /// One point, which is known.
     pub const fn known(value: f64) -> Self {
         Self { from: value, step: 0.0, points: 1, most: value, finest: 0.0 }
+    }
+
+    fn finer(&self) -> f64 {
+        FINER.min((self.points / 2) as f64 / ZOOM / REACH)
     }
 
     /// How many points it has.
@@ -60,11 +76,14 @@ impl Axis {
         if self.points == 1 {
             return None;
         }
-        let mean: f64 = weights.iter().enumerate().map(|(i, weight)| weight * self.at(i)).sum();
+        let sum: f64 = weights.iter().sum();
+        let part = |weight: &f64| weight / sum;
+        let mean: f64 =
+            weights.iter().enumerate().map(|(i, weight)| part(weight) * self.at(i)).sum();
         let variance: f64 = weights
             .iter()
             .enumerate()
-            .map(|(i, weight)| weight * (self.at(i) - mean).powi(2))
+            .map(|(i, weight)| part(weight) * (self.at(i) - mean).powi(2))
             .sum();
         let is_at_end = |index: usize| weights.get(index).is_some_and(|weight| *weight > AT_END);
         let last = self.points - 1;
@@ -73,23 +92,29 @@ impl Axis {
         let widest = self.most / last as f64;
         let step = if is_short {
             (self.step * ZOOM).min(widest)
-        } else if variance.sqrt() < FINER * self.step && self.step > self.finest {
+        } else if variance.sqrt() < self.step * self.finer() && self.step > self.finest {
             self.step / ZOOM
         } else {
             return None;
         };
-        let longest = (self.most - step * last as f64).max(0.0);
-        let from = (mean - step * (last / 2) as f64).clamp(0.0, longest);
-        Some(Self { from: (from / step).round() * step, step, ..*self })
+        Some(self.around(mean, step))
     }
 }
 
-/// The logarithm of a weight between the points of an axis: by a parabola, which goes on for one and a half steps at the ends.
+/// The logarithm of a weight between the points of an axis: by a parabola. Beyond the ends it goes on, and no weight is
+/// more than that of the end.
 pub fn interpolated(ln_weight: impl Fn(usize) -> f64, points: usize, place: f64) -> f64 {
     let nearest = place.round().clamp(1.0, (points - 2) as f64);
     let index = nearest as usize;
     let (before, here, after) = (ln_weight(index - 1), ln_weight(index), ln_weight(index + 1));
     let (slope, bend) = ((after - before) / 2.0, (after + before) / 2.0 - here);
-    let off = (place - nearest).clamp(-1.5, 1.5);
-    here + slope * off + bend.min(0.0) * off * off
+    let off = place - nearest;
+    let along = here + slope * off + bend.min(0.0) * off * off;
+    if place < 0.0 {
+        along.min(before)
+    } else if place > (points - 1) as f64 {
+        along.min(after)
+    } else {
+        along
+    }
 }

@@ -22,11 +22,15 @@ pub struct Quantity {
 impl Quantity {
     /// Of a mixture of even distributions, each from its first to its second value with its weight.
     pub(super) fn of(cells: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
-        let (mut mean, mut square) = (0.0, 0.0);
-        for (low, high, weight) in cells.clone() {
-            mean += weight * (low + high) / 2.0;
-            square += weight * (low * low + low * high + high * high) / 3.0;
-        }
+        // Weights are kept to three digits: they sum to about one.
+        let sum: f64 = cells.clone().map(|(_, _, weight)| weight).sum();
+        let cells = cells.map(|(low, high, weight)| (low, high, weight / sum));
+        let mean: f64 = cells.clone().map(|(low, high, weight)| weight * (low + high) / 2.0).sum();
+        let variance = |(low, high, weight): (f64, f64, f64)| {
+            let (off, half) = ((low + high) / 2.0 - mean, (high - low) / 2.0);
+            weight * (off * off + half * half / 3.0)
+        };
+        let variance: f64 = cells.clone().map(variance).sum();
         let quantile = |p: f64| {
             let below = |x: f64| -> f64 {
                 let part = |low: f64, high: f64| {
@@ -47,11 +51,7 @@ impl Quantity {
             }
             (low + high) / 2.0
         };
-        Self {
-            mean,
-            sd: (square - mean * mean).max(0.0).sqrt(),
-            interval: (quantile(TAIL), quantile(1.0 - TAIL)),
-        }
+        Self { mean, sd: variance.sqrt(), interval: (quantile(TAIL), quantile(1.0 - TAIL)) }
     }
 }
 

@@ -3,17 +3,20 @@
 //!
 //! From poses and commands alone only the **sum** of dead time, lag and the offset of the poses' stamps is known well; how
 //! it parts into dead time and lag shows in the shape of starts and stops, as far as the noise allows. Both are hypotheses
-//! on a grid ([`grid`]), each judged by how well it predicts the poses of a [`Stretch`] of motion. What else is unknown
-//! meanwhile, scale and slip, is carried along ([`filter`]) and integrated out.
+//! on a grid (`grid`), each judged by how well it predicts the poses of a [`Stretch`] of motion. What else is unknown
+//! meanwhile, scale and slip, is carried along (`filter`) and integrated out.
 
 mod axis;
 mod estimate;
 mod filter;
 mod grid;
+mod recording;
 mod regression;
 mod stretch;
 
 pub use estimate::{DriveEstimate, Quantity};
+pub use grid::{LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
+pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
 pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
 
 use crate::exchange::PoseNoise;
@@ -23,21 +26,6 @@ use filter::{Filters, Judgement};
 use grid::{Grid, Hypothesis};
 use regression::Regression;
 use serde::{Deserialize, Serialize};
-
-/// Median of the prior of the sum of dead time and lag in s; 95 % lie within 0.044 to 0.38 s.
-///
-/// Field facts: robots of the 0.1 m class need 60 to 200 ms; ten recorded iRobot Creates show 200 to 280 ms, with the
-/// offset of their logs in it.
-pub const PRIOR_MEDIAN: f64 = 0.13;
-
-/// Standard deviation of the natural logarithm of that sum before any sample.
-pub const PRIOR_SPREAD: f64 = 0.55;
-
-/// Part of the sum that is lag where nothing is known of it.
-pub const PRIOR_LAG_SHARE: f64 = 0.75;
-
-/// Longest sum of dead time and lag in s that is looked for.
-pub const LONGEST: f64 = 0.6;
 
 /// Standard deviation of the scale of forward motion and of turns before any sample: wheels told wrong by 2 to 20 % are
 /// common (field facts). By a factor of two they are not rare, and a second of motion outweighs this.
@@ -60,11 +48,11 @@ const DRIFT: f64 = 0.12;
 /// Times the described noise from which on it is another one.
 const NOISIER: f64 = 2.0;
 
+/// How often a stretch is judged at most, each time by hypotheses that lie finer or farther.
+const ROUNDS: u32 = 5;
+
 /// Chance that the spread of the slip is another one in the next stretch.
 const OTHER_FLOOR: f64 = 0.02;
-
-/// A weight below this is none: the hypothesis is given up.
-const GIVEN_UP: f64 = 1e-12;
 
 /// What is believed of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,6 +76,11 @@ impl DriveBelief {
     /// The belief before any sample where it is known how late the drive follows.
     pub fn of_known_lag(drive: &Drive) -> Self {
         Self::with(Grid::known(drive.dead_time, drive.lag), drive.track_width)
+    }
+
+    /// The same where the sum of dead time and lag in s is about known.
+    fn near(sum: f64, track_width: f64) -> Self {
+        Self::with(Grid::near(sum.max(0.0)), track_width)
     }
 
     fn with(grid: Grid, track_width: f64) -> Self {
@@ -117,32 +110,33 @@ impl DriveBelief {
         };
         self.turn.mix(OTHER_FLOOR);
         self.forward.mix(OTHER_FLOOR);
-        let judged: Vec<Judged> = self
-            .grid
-            .alive()
-            .map(|hypothesis| self.judge(hypothesis, stretch, commanded, noise, track_width))
-            .collect();
-        let surprise = judged.iter().map(|it| it.surprise).fold(f64::INFINITY, f64::min);
-        let is_understood = surprise <= NOT_UNDERSTOOD;
-        if !is_understood {
-            self.not_understood += 1;
-            return false;
+        let mut before = self.grid.clone();
+        for round in 1..=ROUNDS {
+            let judge = |it| self.judge(it, stretch, commanded, noise, track_width);
+            let judged: Vec<Judged> = before.alive().map(judge).collect();
+            let surprise = judged.iter().map(|it| it.surprise).fold(f64::INFINITY, f64::min);
+            let after = weighed(&before, &judged, surprise);
+            // Judged again, not interpolated: between the points of a coarse grid there may be a better hypothesis.
+            if round < ROUNDS
+                && let Some(fitted) = self.grid.fitted(&after)
+            {
+                before = fitted;
+                continue;
+            }
+            if surprise > NOT_UNDERSTOOD {
+                break;
+            }
+            let sum: f64 = judged.iter().map(|it| after.weight(&it.hypothesis)).sum();
+            let weighted = || judged.iter().map(|it| (it, after.weight(&it.hypothesis) / sum));
+            self.turn = Regression::mixture(weighted().map(|(it, part)| (it.turn.known, part)));
+            self.forward =
+                Regression::mixture(weighted().map(|(it, part)| (it.forward.known, part)));
+            self.grid = after;
+            self.stretches += 1;
+            return true;
         }
-        // Poses that are worse than described say less.
-        let worth = (UNDERSTOOD / surprise).min(1.0);
-        let best = judged.iter().map(Judged::ln_evidence).fold(f64::NEG_INFINITY, f64::max);
-        for it in &judged {
-            let likely = ((it.ln_evidence() - best) * worth).exp();
-            self.grid.set(&it.hypothesis, it.hypothesis.weight * likely);
-        }
-        self.grid.normalise();
-        let weighted = || judged.iter().map(|it| (it, self.grid.weight(&it.hypothesis)));
-        self.turn = Regression::mixture(weighted().map(|(it, weight)| (it.turn.known, weight)));
-        self.forward =
-            Regression::mixture(weighted().map(|(it, weight)| (it.forward.known, weight)));
-        self.grid.fit();
-        self.stretches += 1;
-        true
+        self.not_understood += 1;
+        false
     }
 
     /// What `hypothesis` makes of a stretch.
@@ -159,11 +153,11 @@ impl DriveBelief {
         let mut forward = Filters::new(&self.forward, noise.position);
         let (dead_time, lag) = (sum * (1.0 - share), sum * share);
         let drift = DRIFT / track_width;
-        let (mut steps, mut drives) = (0.0, false);
+        // The same poses for all hypotheses: a pose more is evidence more.
+        let (mut steps, drives) = (0.0, commanded.drives());
         stretch.compare(commanded, dead_time, lag, |motion, seen| {
             let turn_power = motion.turn_power + drift * drift * motion.length_power;
             turn.step([motion.turn, motion.length], turn_power, seen.turned);
-            drives |= motion.length != 0.0;
             if drives {
                 forward.step([motion.length], motion.length_power, seen.driven);
                 steps += 1.0;
@@ -234,6 +228,20 @@ const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
 fn believed(described: f64, seen: f64, least: f64) -> f64 {
     let described = described.max(least);
     if seen > NOISIER * described { seen } else { described }
+}
+
+/// The grid `before` a stretch with what was made of it, by hypotheses the best of which leaves this `surprise`.
+fn weighed(before: &Grid, judged: &[Judged], surprise: f64) -> Grid {
+    // Poses that are worse than described say less.
+    let worth = (UNDERSTOOD / surprise).min(1.0);
+    let best = judged.iter().map(Judged::ln_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let mut after = before.clone();
+    for it in judged {
+        let likely = ((it.ln_evidence() - best) * worth).exp();
+        after.set(&it.hypothesis, it.hypothesis.weight * likely);
+    }
+    after.normalise();
+    after
 }
 
 /// What one hypothesis makes of a stretch.

@@ -42,7 +42,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    fn between(from: &Observation, to: &Observation) -> Self {
+    /// The second pose as seen from the first.
+    pub(super) fn between(from: &Observation, to: &Observation) -> Self {
         let turned = to.pose.heading.minus(from.pose.heading);
         let (sin, cos) = sin_cos(from.pose.heading.radians() + turned / 2.0);
         let (x, y) = (to.pose.x - from.pose.x, to.pose.y - from.pose.y);
@@ -67,6 +68,11 @@ impl Commanded {
     /// Whether it changes at all.
     pub fn changes(&self) -> bool {
         self.pieces.len() > 1
+    }
+
+    /// Whether it drives, and does not only turn.
+    pub(super) fn drives(&self) -> bool {
+        self.pieces.iter().any(|(twist, _)| twist.linear != 0.0)
     }
 
     /// Whether anything moves.
@@ -129,7 +135,7 @@ impl Stretch {
 }
 
 /// A drive that follows its commands with dead time and lag.
-struct Follower<'a> {
+pub(super) struct Follower<'a> {
     pieces: &'a [(Twist, f64)],
     /// The piece in force, and for how many s it still is.
     at: usize,
@@ -142,7 +148,8 @@ struct Follower<'a> {
 }
 
 impl<'a> Follower<'a> {
-    fn new(commanded: &'a Commanded, dead_time: f64, lag: f64) -> Self {
+    /// Before the first command, as that one has it.
+    pub(super) fn new(commanded: &'a Commanded, dead_time: f64, lag: f64) -> Self {
         let pieces = &commanded.pieces[..];
         let (twist, left) = pieces.first().copied().unwrap_or((Twist::ZERO, f64::INFINITY));
         let time = commanded.from + dead_time;
@@ -152,12 +159,18 @@ impl<'a> Follower<'a> {
     /// The motion from where it is to `until`.
     fn advance(&mut self, until: RobotTime) -> Motion {
         let mut motion = Motion::NONE;
+        self.each(until, |next| motion = motion.then(next));
+        motion
+    }
+
+    /// The same, bit by bit: every motion under one command.
+    pub(super) fn each(&mut self, until: RobotTime, mut each: impl FnMut(Motion)) {
         let mut rest = until - self.time;
         while rest > 0.0 {
             let is_last = self.at + 1 >= self.pieces.len();
             let duration = if is_last { rest } else { rest.min(self.left) };
             let command = self.pieces.get(self.at).map_or(Twist::ZERO, |(twist, _)| *twist);
-            motion = motion.then(self.follow(command, duration));
+            each(self.follow(command, duration));
             rest -= duration;
             self.left -= duration;
             if self.left <= 0.0 && !is_last {
@@ -166,7 +179,6 @@ impl<'a> Follower<'a> {
             }
         }
         self.time = self.time.later(until);
-        motion
     }
 
     /// w' = (u - w)/tau, as in [`crate::kinematics::follow`].
