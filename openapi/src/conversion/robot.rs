@@ -72,6 +72,7 @@ impl From<settings::Method> for Method {
             settings::Method::FixedBad => Self::FixedBad,
             settings::Method::Statistic => Self::Statistic,
             settings::Method::Bayesian => Self::Bayesian,
+            settings::Method::Adaptive => Self::Adaptive,
         }
     }
 }
@@ -83,6 +84,7 @@ impl From<Method> for settings::Method {
             Method::FixedBad => Self::FixedBad,
             Method::Statistic => Self::Statistic,
             Method::Bayesian => Self::Bayesian,
+            Method::Adaptive => Self::Adaptive,
         }
     }
 }
@@ -215,7 +217,13 @@ impl Description {
         // What was said is in its range already, or refused.
         let mut spec = Spec::from(&complete);
         spec.hold_derived();
-        self.identify(spec.convert(complete.prior))
+        let settings = self.identify(spec.convert(complete.prior));
+        let is_adaptive = settings.method == settings::Method::Adaptive;
+        if is_adaptive && !self.says("attribution") {
+            let attribution = settings::Attribution::Played;
+            return Settings { attribution, ..settings };
+        }
+        settings
     }
 }
 

@@ -73,7 +73,7 @@ impl Prior {
             None => "the description of the robot has numbers of its own".to_owned(),
         };
         let unused = match method {
-            Method::Bayesian => "",
+            Method::Bayesian | Method::Adaptive => "",
             Method::Statistic => "; method statistic does not use it: it has samples only",
             Method::FixedNormal => "; method fixed-normal does not use it: it learns nothing",
             Method::FixedBad => "; method fixed-bad does not use it: it learns nothing",

@@ -24,6 +24,8 @@ pub enum Method {
     Statistic,
     /// Prior and samples: the thesis's method.
     Bayesian,
+    /// The same, and the scale of the drive is identified by itself: commands are corrected by it.
+    Adaptive,
 }
 
 /// What an observed motion is compared with.

@@ -119,9 +119,9 @@ pub struct Spec {
     pub noise: Noise,
     /// How its environment is identified.
     pub method: Method,
-    /// What errors are measured against.
+    /// What errors are measured against; of method `adaptive` by default the commands as played.
     pub attribution: Attribution,
-    /// Whether the drift channel (heading per metre) is used.
+    /// Whether the drift channel (heading per metre) is used; of method `adaptive` it always is.
     pub drift: bool,
     /// Slots of 30 ms per horizon; 1 is the thesis.
     pub horizon_slots: usize,

@@ -61,6 +61,7 @@ fn drive() -> impl Strategy<Value = Drive> {
                 dead_time,
             )| Drive {
                 wheel_radius,
+                unequal: 0.0,
                 track_width: track_width * wheel_radius,
                 max_wheel_speed,
                 max_linear,

@@ -132,6 +132,7 @@ fn method(method: Method) -> &'static str {
         Method::FixedBad => "fixed-bad",
         Method::Statistic => "statistic",
         Method::Bayesian => "bayesian",
+        Method::Adaptive => "adaptive",
     }
 }
 
@@ -269,7 +270,13 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
 
     #[test]
     fn methods_are_called_as_on_the_wire() {
-        for named in [Method::FixedNormal, Method::FixedBad, Method::Statistic, Method::Bayesian] {
+        for named in [
+            Method::FixedNormal,
+            Method::FixedBad,
+            Method::Statistic,
+            Method::Bayesian,
+            Method::Adaptive,
+        ] {
             assert_eq!(serde_json::to_value(named).unwrap(), method(named));
         }
     }

@@ -11,7 +11,8 @@ use umwelt_api::robot::{
     Attribution, DERIVED, Description, IDENTIFIED, Method, Patch, Robot, Spec,
 };
 
-pub(super) const METHODS: &[&str] = &["fixed-normal", "fixed-bad", "statistic", "bayesian"];
+pub(super) const METHODS: &[&str] =
+    &["fixed-normal", "fixed-bad", "statistic", "bayesian", "adaptive"];
 pub(super) const ATTRIBUTIONS: &[&str] = &["sent", "played"];
 
 /// What can be said of a robot. "derived" stands for what follows from the rest.
@@ -20,7 +21,7 @@ pub(super) struct Flags {
     /// How the environment is identified [default: bayesian]
     #[arg(long, value_parser = input::named::<Method>(METHODS))]
     method: Option<Method>,
-    /// What errors are measured against: commands as sent or as played [default: sent]
+    /// What errors are measured against: commands as sent or as played [default: sent; played with method adaptive]
     #[arg(long, value_parser = input::named::<Attribution>(ATTRIBUTIONS))]
     attribution: Option<Attribution>,
     /// Use the drift channel: heading error per metre [default: it is not used]

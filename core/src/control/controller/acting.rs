@@ -63,10 +63,10 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
     }
 
-    /// How the drive differs from its description; none where that is not asked.
-    pub(super) fn scale(&self) -> Option<Scale> {
+    /// What is believed of how the drive differs from its description; none where that is not asked.
+    pub(super) fn scaled_belief(&self) -> Option<&DriveBelief> {
         let follows = self.follows.as_ref().filter(|_| self.settings.method == Method::Adaptive)?;
-        Some(follows.belief.scale())
+        Some(&follows.belief)
     }
 
     /// The drive as described, as late as it is identified: what commands as described are reckoned with.
@@ -92,6 +92,9 @@ fn scaled(drive: &Drive, belief: &DriveBelief) -> Drive {
         // The motors stand below a speed of the wheels.
         min_linear: drive.min_linear * forward,
         min_angular: drive.min_angular * turn,
+        // The robot itself holds its wheels to the accelerations that are described.
+        max_linear_acceleration: drive.max_linear_acceleration * forward.min(1.0),
+        max_angular_acceleration: drive.max_angular_acceleration * turn.min(1.0),
         ..*drive
     }
 }

@@ -60,6 +60,11 @@ impl Follows {
         Self { belief, stretch: Stretch::default(), moved: None }
     }
 
+    /// On another floor.
+    pub(super) fn on_another_floor(self) -> Self {
+        Self::of(Arc::new(Arc::unwrap_or_clone(self.belief).on_another_floor()))
+    }
+
     /// Begins anew: what was gathered so far does not go on.
     pub(super) fn forget(&mut self) {
         (self.stretch, self.moved) = (Stretch::default(), None);

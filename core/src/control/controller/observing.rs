@@ -92,7 +92,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         until: RobotTime,
     ) -> (Window, Displacement, WheelSpeeds) {
         let (drive, acting) = (&self.described_drive(), &self.acting.drive);
-        let (floors, is_scaled) = (self.watch.floors(), self.scale().is_some());
+        let (floors, is_scaled) = (self.watch.floors(), self.scaled_belief().is_some());
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);

@@ -82,6 +82,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Back to the prior: on another floor, over another link. What the drive is like stays.
     pub fn reset_belief(&mut self) {
         self.belief.reset();
+        if let Some(follows) = self.follows.take() {
+            self.follows = Some(follows.on_another_floor());
+        }
         self.act();
         self.watch.unlearn();
         self.healthy = None;

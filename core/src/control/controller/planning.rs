@@ -48,8 +48,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.teaches_from.get_or_insert(begins);
 
         let estimator = &self.compensation.estimator;
-        let model = match self.scale() {
-            Some(scale) => self.belief.model_of(&scale),
+        let model = match self.scaled_belief() {
+            Some(drive) => self.belief.model_of(&drive.scale(), &drive.scale_sd()),
             None => estimator.error_model(&self.belief, track.last.pose),
         };
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);

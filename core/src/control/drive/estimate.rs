@@ -55,6 +55,19 @@ impl Quantity {
     }
 }
 
+/// By how much motion differs from what was commanded.
+///
+/// On one floor only `together` is known from poses and commands; robot and floor part over several floors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleEstimate {
+    /// Robot and floor together.
+    pub together: Quantity,
+    /// What of it belongs to the robot.
+    pub robot: Quantity,
+    /// What of it belongs to the floor.
+    pub floor: Quantity,
+}
+
 /// What is believed of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveEstimate {
@@ -67,7 +80,9 @@ pub struct DriveEstimate {
     /// The sum before any sample.
     pub prior: Quantity,
     /// Forward motion per forward motion commanded, less one; turn per turn, less one; turn in rad per metre.
-    pub scale: [Quantity; 3],
+    pub scale: [ScaleEstimate; 3],
+    /// Floors before this one.
+    pub floors: u64,
     /// Stretches of motion taken in.
     pub stretches: u64,
     /// Those that no hypothesis explains.

@@ -10,11 +10,12 @@ mod axis;
 mod estimate;
 mod filter;
 mod grid;
+mod parts;
 mod recording;
 mod regression;
 mod stretch;
 
-pub use estimate::{DriveEstimate, Quantity};
+pub use estimate::{DriveEstimate, Quantity, ScaleEstimate};
 pub use grid::{LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
 pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
 pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
@@ -24,15 +25,17 @@ use crate::kinematics::Drive;
 use crate::prediction::Scale;
 use filter::{Filters, Judgement};
 use grid::{Grid, Hypothesis};
+use parts::{Normal, Parts};
 use regression::Regression;
 use serde::{Deserialize, Serialize};
 
-/// Standard deviation of the scale of forward motion and of turns before any sample: wheels told wrong by 2 to 20 % are
-/// common (field facts). By a factor of two they are not rare, and a second of motion outweighs this.
-const SCALE_SPREAD: f64 = 0.1;
+/// Standard deviations of the scale of forward motion and of turns before any sample, of robots and of floors: wheels told
+/// wrong by 2 to 20 % are common, floors make -5 to -30 % of them (field facts). Wheels told wrong by a factor of two are not
+/// rare, and a second of motion outweighs this.
+const SCALE_SPREAD: (f64, f64) = (0.10, 0.07);
 
-/// Standard deviation of the drift times the track before any sample: of wheels that are unequal by 5 %.
-const UNEQUAL_WHEELS: f64 = 0.05;
+/// The same of the drift times the track: of wheels that are unequal by 5 %, and of floors that slip under one of them.
+const DRIFT_SPREAD: (f64, f64) = (0.05, 0.01);
 
 /// Standard deviations squared of a pose from where the best hypothesis has it, on average, up to which a stretch says what
 /// it seems to: half of all that are understood stay below one.
@@ -62,6 +65,10 @@ pub struct DriveBelief {
     /// Scale of turns, and drift; scale of forward motion.
     turn: Regression<2>,
     forward: Regression<1>,
+    /// What of scales and drift belongs to the robot: forward, turn, drift.
+    parts: [Parts; 3],
+    /// Floors before this one.
+    floors: u64,
     /// Stretches of motion taken in, and those that no hypothesis explains.
     stretches: u64,
     not_understood: u64,
@@ -84,11 +91,16 @@ impl DriveBelief {
     }
 
     fn with(grid: Grid, track_width: f64) -> Self {
-        let drift = UNEQUAL_WHEELS / track_width;
+        let scale = Parts::new(SCALE_SPREAD.0, SCALE_SPREAD.1);
+        let drift = Parts::new(DRIFT_SPREAD.0 / track_width, DRIFT_SPREAD.1 / track_width);
+        let parts = [scale, scale, drift];
+        let [forward, turn, drift] = parts.map(|part| part.together());
         Self {
             grid,
-            turn: Regression::new([SCALE_SPREAD, drift]),
-            forward: Regression::new([SCALE_SPREAD]),
+            turn: Regression::new([turn, drift]),
+            forward: Regression::new([forward]),
+            parts,
+            floors: 0,
             stretches: 0,
             not_understood: 0,
         }
@@ -169,20 +181,35 @@ impl DriveBelief {
         Judged { hypothesis, turn, forward, surprise }
     }
 
-    /// How the drive differs from what is described.
+    /// Forward motion, turns and drift against what is described, robot and floor together.
+    fn together(&self) -> [Normal; 3] {
+        [self.forward.of(0), self.turn.of(0), self.turn.of(1)]
+    }
+
+    /// How the drive differs from what is described, on this floor.
     pub fn scale(&self) -> Scale {
-        let (turn, drift) = (self.turn.mean[0], self.turn.mean[1]);
-        Scale { forward: self.forward.mean[0], turn, drift }
+        let [forward, turn, drift] = self.together().map(|it| it.mean);
+        Scale { forward, turn, drift }
     }
 
     /// How sure that is: standard deviations.
     pub fn scale_sd(&self) -> Scale {
-        let turn = self.turn.covariance;
-        Scale {
-            forward: self.forward.covariance[(0, 0)].sqrt(),
-            turn: turn[(0, 0)].sqrt(),
-            drift: turn[(1, 1)].sqrt(),
+        let [forward, turn, drift] = self.together().map(|it| it.variance.sqrt());
+        Scale { forward, turn, drift }
+    }
+
+    /// The same belief on another floor: what the robot has shown on those before stays, as far as it was told from them.
+    pub fn on_another_floor(mut self) -> Self {
+        for (part, sum) in
+            self.parts.iter_mut().zip([self.forward.of(0), self.turn.of(0), self.turn.of(1)])
+        {
+            *part = part.next(sum);
         }
+        let [forward, turn, drift] = self.parts.map(|part| part.together());
+        self.turn = Regression::new([turn, drift]);
+        self.forward = Regression::new([forward]);
+        self.floors += 1;
+        self
     }
 
     /// The same belief of a drive that is described as `now` from here on, and was as `before`.
@@ -191,6 +218,12 @@ impl DriveBelief {
         let turn = forward * now.track_width / before.track_width;
         self.forward.rescale([forward], [forward - 1.0]);
         self.turn.rescale([turn, forward], [turn - 1.0, 0.0]);
+        let [of_forward, of_turn, of_drift] = self.parts;
+        self.parts = [
+            of_forward.rescaled(forward, forward - 1.0),
+            of_turn.rescaled(turn, turn - 1.0),
+            of_drift.rescaled(forward, 0.0),
+        ];
         self
     }
 
@@ -210,11 +243,12 @@ impl DriveBelief {
             lag: self.grid.lag(),
             dead_time: self.grid.dead_time(),
             prior: Grid::prior().sum(),
-            scale: [
-                Quantity::normal(self.forward.mean[0], self.forward.covariance[(0, 0)]),
-                Quantity::normal(self.turn.mean[0], self.turn.covariance[(0, 0)]),
-                Quantity::normal(self.turn.mean[1], self.turn.covariance[(1, 1)]),
-            ],
+            scale: std::array::from_fn(|i| {
+                let (sum, part) = (self.together()[i], self.parts[i]);
+                let [robot, floor] = [part.robot(sum), part.floor(sum)].map(Quantity::from);
+                ScaleEstimate { together: sum.into(), robot, floor }
+            }),
+            floors: self.floors,
             stretches: self.stretches,
             not_understood: self.not_understood,
         }

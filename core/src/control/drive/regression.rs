@@ -1,5 +1,6 @@
 //! What is known of a coordinate's constants and of its slip.
 
+use super::parts::Normal;
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
@@ -16,14 +17,18 @@ pub struct Regression<const P: usize> {
 }
 
 impl<const P: usize> Regression<P> {
-    /// Constants of mean 0 and these standard deviations; every level as likely.
-    pub fn new(spread: [f64; P]) -> Self {
-        let spread = SVector::from(spread);
+    /// Constants with these means and variances; every level as likely.
+    pub fn new(known: [Normal; P]) -> Self {
         Self {
-            mean: SVector::zeros(),
-            covariance: SMatrix::from_diagonal(&spread.component_mul(&spread)),
+            mean: known.map(|it| it.mean).into(),
+            covariance: SMatrix::from_diagonal(&known.map(|it| it.variance).into()),
             levels: [1.0 / LEVELS.len() as f64; LEVELS.len()],
         }
+    }
+
+    /// One of the constants.
+    pub fn of(&self, index: usize) -> Normal {
+        Normal { mean: self.mean[index], variance: self.covariance[(index, index)] }
     }
 
     /// The level is another one with this `chance`.

@@ -105,10 +105,9 @@ impl Belief {
         self.unclamped().clamped()
     }
 
-    /// The same for commands of a drive of this `scale` against that described. The clamps are for what is left to the
-    /// floor.
-    pub fn model_of(&self, scale: &Scale) -> ErrorModel {
-        self.unclamped().relative_to(scale).clamped()
+    /// The same for commands of a drive of this `scale` against that described, known to `sd`.
+    pub fn model_of(&self, scale: &Scale, sd: &Scale) -> ErrorModel {
+        self.unclamped().relative_to(scale, sd).clamped()
     }
 
     fn unclamped(&self) -> ErrorModel {

@@ -80,35 +80,34 @@ impl ErrorModel {
         }
     }
 
-    /// The model for the commands of a drive of this `scale`, where it is one for commands as described.
-    ///
-    /// v = v' (1 + s_f) and omega = omega' (1 + s_t) + v' d of the commands as described, so what they miss by is
-    /// (1 + mean)/(1 + s) - 1 of what such a drive makes of them.
-    pub fn relative_to(self, scale: &Scale) -> Self {
-        let Scale { forward, turn, drift } = *scale;
-        let left = |model: ChannelModel, factor: f64| model.affine(factor, factor - 1.0);
-        let (by_forward, by_turn) = ((1.0 + forward).recip(), (1.0 + turn).recip());
-        let turn = left(self.turn, by_turn);
+    /// The model for the commands of a drive of this `scale`, known to `sd`, where it is one for commands as described: the
+    /// scale is what the means were, and slip is relative to what such a drive makes of its commands.
+    pub fn relative_to(self, scale: &Scale, sd: &Scale) -> Self {
+        let factor = (1.0 + scale.forward).recip();
+        let left = |model: ChannelModel, factor: f64, sd: f64| ChannelModel {
+            mean: 0.0,
+            variance: model.variance * factor * factor,
+            mean_variance: sd * sd * factor * factor,
+            posterior: None,
+        };
         Self {
-            forward: left(self.forward, by_forward),
-            lateral: self.lateral.affine(by_forward, 0.0),
-            turn,
-            drift: self.drift.affine(by_forward, -drift * (1.0 + turn.mean) * by_forward),
+            forward: left(self.forward, factor, sd.forward),
+            lateral: self.lateral.times(factor),
+            turn: left(self.turn, (1.0 + scale.turn).recip(), sd.turn),
+            drift: left(self.drift, factor, sd.drift),
         }
     }
 }
 
 impl ChannelModel {
-    /// The model of `factor` times the ratio, plus `offset`.
-    fn affine(self, factor: f64, offset: f64) -> Self {
+    /// The model of `factor` times the ratio.
+    fn times(self, factor: f64) -> Self {
         let square = factor * factor;
-        let mean = self.mean * factor + offset;
         let posterior = self.posterior.and_then(|it| {
-            NormalInverseChiSquared::new(it.mu() * factor + offset, it.k(), it.r(), it.s() * square)
-                .ok()
+            NormalInverseChiSquared::new(it.mu() * factor, it.k(), it.r(), it.s() * square).ok()
         });
         Self {
-            mean,
+            mean: self.mean * factor,
             variance: self.variance * square,
             mean_variance: self.mean_variance * square,
             posterior,
