@@ -2,12 +2,10 @@
 
 use super::known;
 use crate::environment::{
-    Channel, Channels, Drive, Environment, Estimate, Interval, LUCK, Link, Prior, Status,
+    Channel, Channels, Drive, Environment, Interval, LUCK, Link, Prior, Status,
 };
-use umwelt_core::drive::{DriveEstimate, Quantity};
 use umwelt_core::identification::Status as CoreStatus;
 use umwelt_core::identification::estimate::{self, LEVEL};
-use umwelt_core::kinematics;
 
 impl Environment {
     /// What was identified, beginning with `prior`, and how late the drive follows.
@@ -23,40 +21,6 @@ impl Environment {
             poses_set_aside: core.poses_set_aside,
             prior,
         }
-    }
-}
-
-impl Drive {
-    /// What is believed of how late a drive follows, and where nothing is because it is described, what `described` says.
-    pub fn new(believed: Option<&DriveEstimate>, described: &kinematics::Drive) -> Self {
-        let Some(believed) = believed else {
-            let given = |mean| Estimate { mean: known(mean), sd: None, interval: None };
-            return Self {
-                status: Status::Given,
-                estimated_fraction: None,
-                delay_s: given(described.dead_time + described.lag),
-                lag_s: given(described.lag),
-                dead_time_s: given(described.dead_time),
-                stretches: 0,
-                stretches_not_understood: 0,
-            };
-        };
-        let status = believed.status();
-        Self {
-            status: status.into(),
-            estimated_fraction: status.fraction().and_then(known),
-            delay_s: believed.sum.into(),
-            lag_s: believed.lag.into(),
-            dead_time_s: believed.dead_time.into(),
-            stretches: believed.stretches,
-            stretches_not_understood: believed.not_understood,
-        }
-    }
-}
-
-impl From<Quantity> for Estimate {
-    fn from(core: Quantity) -> Self {
-        Self { mean: known(core.mean), sd: known(core.sd), interval: interval(core.interval) }
     }
 }
 
@@ -111,7 +75,7 @@ impl From<estimate::LinkEstimate> for Link {
     }
 }
 
-fn interval((low, high): (f64, f64)) -> Option<Interval> {
+pub(super) fn interval((low, high): (f64, f64)) -> Option<Interval> {
     (low.is_finite() && high.is_finite()).then_some(Interval { low, high })
 }
 
@@ -169,20 +133,7 @@ mod tests {
     }
 
     fn given() -> Drive {
-        Drive::new(None, &kinematics::Drive { lag: 0.1, dead_time: 0.05, ..Default::default() })
-    }
-
-    #[test]
-    fn how_late_a_drive_follows_is_told_whoever_knows_it() {
-        let told = given();
-        assert_eq!((told.status, told.estimated_fraction), (Status::Given, None));
-        assert_eq!((told.lag_s.mean, told.delay_s.interval), (Some(0.1), None));
-        let believed = umwelt_core::drive::DriveBelief::new(0.1).estimate();
-        let told = Drive::new(Some(&believed), &kinematics::Drive::default());
-        assert_eq!((told.status, told.estimated_fraction), (Status::Estimating, Some(0.0)));
-        assert_eq!((told.delay_s.mean, told.stretches), (Some(believed.sum.mean), 0));
-        let Interval { low, high } = told.delay_s.interval.unwrap();
-        assert!(low < 0.06 && high > 0.3, "{low} to {high} s");
+        Drive::new(None, &settings::Settings::default())
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! What a [`Checked`](crate::Checked) body means is `to_core`; `convert` is the same for what a program keeps, which was
 //! checked when it came, without the ranges of the day.
 
+mod drive;
 mod environment;
 #[cfg(test)]
 mod numbers;

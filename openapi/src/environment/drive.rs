@@ -1,5 +1,6 @@
 //! How late a robot's drive follows its commands, as it is identified.
 
+use super::scale::Scale;
 use super::{Interval, Status};
 use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,9 @@ pub struct Drive {
     pub stretches: u64,
     /// Stretches that no delay explains: they say nothing.
     pub stretches_not_understood: u64,
+    /// Wheels and track with which the robot moves as it does; null where nothing of the drive is identified.
+    #[serde(default)]
+    pub scale: Option<Scale>,
 }
 
 /// A quantity with its uncertainty, in the unit that its name ends with.

@@ -3,8 +3,10 @@
 //! Simulated environments, which have names, stand in [`crate::training`].
 
 mod drive;
+mod scale;
 
 pub use drive::{Drive, Estimate};
+pub use scale::{Scale, Split};
 
 use crate::id::PriorId;
 use crate::prior::Source;

@@ -4,7 +4,9 @@ use crate::cli::quantity::{UNKNOWN, milliseconds, or_unknown, percent};
 use crate::cli::table::{Column, Table};
 use std::fmt::Write;
 use umwelt_api::RobotId;
-use umwelt_api::environment::{Channel, Drive, Environment, Estimate, Interval, Link, Status};
+use umwelt_api::environment::{
+    Channel, Drive, Environment, Estimate, Interval, Link, Scale, Status,
+};
 use umwelt_api::robot::Method;
 use umwelt_api::watch;
 
@@ -40,6 +42,9 @@ pub(super) fn show(robot: &RobotId, environment: &Environment) -> String {
     let _ = write!(text, "{table}\n");
     if let Some(it) = &environment.drive {
         let _ = writeln!(text, "{}", drive(it, &level));
+        if let Some(it) = it.scale.filter(|_| it.stretches > 0) {
+            text.push_str(&wheels(&it));
+        }
     }
     let _ = write!(text, "{}", link(&environment.link, &level));
     let prior = environment.prior.name.as_ref().map_or("the robot's own", |name| name.as_str());
@@ -99,6 +104,33 @@ fn drive(drive: &Drive, level: &str) -> String {
     text
 }
 
+/// Wheels and track with which it moves as it does, and what of that is the floor's.
+fn wheels(scale: &Scale) -> String {
+    let metres = |it: &Estimate| match (it.mean, it.sd) {
+        (Some(mean), Some(sd)) => format!("{mean:.4} +- {sd:.4} m"),
+        _ => UNKNOWN.to_owned(),
+    };
+    let ratio = |it: &Estimate| match (it.mean, it.sd) {
+        (Some(mean), Some(sd)) => format!("{:+.1} +- {:.1} %", 1e2 * mean, 1e2 * sd),
+        _ => UNKNOWN.to_owned(),
+    };
+    let (radius, track) = (metres(&scale.wheel_radius_m), metres(&scale.track_width_m));
+    let (said, width) = (scale.described_wheel_radius_m, scale.described_track_width_m);
+    let use_of_it = if scale.used { "commands are corrected" } else { "not used by this method" };
+    let larger = ratio(&scale.right_larger);
+    let mut text = format!(
+        "wheels   moves as with a wheel radius of {radius}, described {said}; a track of {track}, described {width}; the right wheel \
+         larger by {larger}; {use_of_it}\n"
+    );
+    let [together, robot, floor] =
+        [&scale.forward.together, &scale.forward.robot, &scale.forward.floor].map(ratio);
+    let _ = writeln!(
+        text,
+        "         forward {together} in all: robot {robot}, floor {floor}; they part on another floor, which a reset begins"
+    );
+    text
+}
+
 fn link(link: &Link, level: &str) -> String {
     let Link { samples, late, .. } = link;
     let mut text = match (link.median_s, link.p99_s) {
@@ -139,12 +171,33 @@ fn method(method: Method) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umwelt_api::environment::{Channels, Prior};
+    use umwelt_api::environment::{Channels, Prior, Split};
     use umwelt_api::prior::Source;
 
     fn estimate(mean: f64, low: f64, high: f64) -> Estimate {
         let interval = Some(Interval { low, high });
         Estimate { mean: Some(mean), sd: Some(0.01), interval }
+    }
+
+    fn scale() -> Scale {
+        let normal = |mean, sd| Estimate { mean: Some(mean), sd: Some(sd), interval: None };
+        let split = Split {
+            together: normal(-0.3, 0.002),
+            robot: normal(-0.2, 0.06),
+            floor: normal(-0.1, 0.06),
+        };
+        Scale {
+            used: true,
+            wheel_radius_m: normal(0.021, 0.0002),
+            described_wheel_radius_m: 0.03,
+            track_width_m: normal(0.103, 0.001),
+            described_track_width_m: 0.1,
+            right_larger: normal(0.02, 0.001),
+            forward: split,
+            turn: split,
+            drift: split,
+            floors: 0,
+        }
     }
 
     fn environment() -> Environment {
@@ -191,6 +244,7 @@ mod tests {
                 dead_time_s: estimate(0.032, 0.01, 0.05),
                 stretches: 8,
                 stretches_not_understood: 1,
+                scale: Some(scale()),
             }),
             link: Link {
                 samples: 12,
@@ -224,6 +278,8 @@ turn              rad/rad  -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.00
 drift (not used)  rad/m     0.0000       -                   -                   -        0    0.0          0.0  estimating, 0 %
 
 drive    follows a command in 142 ms (lag 110 ms, dead time 32 ms), with 90 % within 139 ms .. 146 ms; estimated from 8 stretches of motion, 1 more not understood
+wheels   moves as with a wheel radius of 0.0210 +- 0.0002 m, described 0.03; a track of 0.1030 +- 0.0010 m, described 0.1; the right wheel larger by +2.0 +- 0.1 %; commands are corrected
+         forward -30.0 +- 0.2 % in all: robot -20.0 +- 6.0 %, floor -10.0 +- 6.0 %; they part on another floor, which a reset begins
 link     loop delay: median 212 ms, 99 % of those not late within 480 ms (estimated)
 late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 % (estimating, 20 %)
 note     no late packet in 12 deliveries says little yet
@@ -254,6 +310,7 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
             dead_time_s: given(0.0),
             stretches: 0,
             stretches_not_understood: 0,
+            scale: None,
         };
         let text = "drive    follows a command in 100 ms (lag 100 ms, dead time 0 ms); given";
         assert_eq!(drive(&described, "90 %"), text);

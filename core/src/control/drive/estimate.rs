@@ -91,7 +91,7 @@ pub struct DriveEstimate {
 
 impl Quantity {
     /// Of a normal distribution.
-    pub(super) fn normal(mean: f64, variance: f64) -> Self {
+    pub fn normal(mean: f64, variance: f64) -> Self {
         let sd = variance.max(0.0).sqrt();
         let half = HALF_WIDTH * sd;
         Self { mean, sd, interval: (mean - half, mean + half) }

@@ -58,7 +58,7 @@ impl Described {
     pub(super) fn environment(&self, saved: &Saved) -> Environment {
         let estimate = saved.estimates();
         let believed = saved.drive_estimate();
-        let drive = environment::Drive::new(believed.as_ref(), &self.settings.drive);
+        let drive = environment::Drive::new(believed.as_ref(), &self.settings);
         let name = self.prior.as_deref().and_then(|name| name.parse().ok());
         let (source, method) = (self.source.clone(), estimate.method.into());
         Environment::new(&estimate, drive, environment::Prior::of(name, source, method))
