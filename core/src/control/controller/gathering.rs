@@ -3,12 +3,11 @@
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use crate::actuation::Slew;
-use crate::drive::{Commanded, DriveBelief, DriveEstimate, LONGEST, MAX_SPAN, Stretch};
+use crate::drive::{Commanded, DriveEstimate, LONGEST, MAX_SPAN, Stretch};
 use crate::exchange::Observation;
 use crate::geometry::WheelSpeeds;
-use crate::kinematics::{self, Drive};
-use crate::settings::{Attribution, Method, Settings};
-use crate::time::RobotTime;
+use crate::kinematics;
+use crate::settings::{Attribution, Settings};
 use std::sync::Arc;
 
 /// Poses that follow each other faster than this many s are left out.
@@ -19,64 +18,6 @@ const MAX_GAP: f64 = 0.5;
 
 /// Longest time in s without a report of what is played: what may have been played meanwhile is nearly the same.
 const HOLE: f64 = 0.25;
-
-/// What is believed of how late the drive follows, and what is gathered to teach more.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Follows {
-    /// Shared with what is shown of it.
-    pub(super) belief: Arc<DriveBelief>,
-    stretch: Stretch,
-    /// When the robot was last commanded to move; none before.
-    moved: Option<RobotTime>,
-}
-
-impl Follows {
-    /// What is believed at first, where the settings ask for that.
-    pub(super) fn new(settings: &Settings) -> Option<Self> {
-        let drive = &settings.drive;
-        let belief = if settings.identifies_lag {
-            DriveBelief::new(drive.track_width)
-        } else if settings.method == Method::Adaptive {
-            DriveBelief::of_known_lag(drive)
-        } else {
-            return None;
-        };
-        Some(Self::of(Arc::new(belief)))
-    }
-
-    /// What is believed under the settings `now`, where it was this under those `before`.
-    pub(super) fn redescribed(
-        this: Option<Self>,
-        before: &Settings,
-        now: &Settings,
-    ) -> Option<Self> {
-        let this = this.filter(|_| asks(before) == asks(now))?;
-        let belief = Arc::unwrap_or_clone(this.belief);
-        Some(Self::of(Arc::new(belief.described_anew(&before.drive, &now.drive))))
-    }
-
-    /// What is believed already.
-    pub(super) fn of(belief: Arc<DriveBelief>) -> Self {
-        Self { belief, stretch: Stretch::default(), moved: None }
-    }
-
-    /// On another floor.
-    pub(super) fn on_another_floor(self) -> Self {
-        Self::of(Arc::new(Arc::unwrap_or_clone(self.belief).on_another_floor()))
-    }
-
-    /// Begins anew: what was gathered so far does not go on.
-    pub(super) fn forget(&mut self) {
-        (self.stretch, self.moved) = (Stretch::default(), None);
-    }
-}
-
-/// What settings ask of a drive: whether its scale is identified, and how late it is where that is known.
-fn asks(settings: &Settings) -> (bool, Option<(f64, f64)>) {
-    let Drive { lag, dead_time, .. } = settings.drive;
-    let given = (!settings.identifies_lag).then_some((lag, dead_time));
-    (settings.method == Method::Adaptive, given)
-}
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// What is believed of how late the drive follows; none where that is described.

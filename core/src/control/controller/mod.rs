@@ -7,6 +7,7 @@ mod acting;
 mod checking;
 pub mod compensation;
 mod event;
+mod follows;
 mod gathering;
 mod heard;
 mod news;
@@ -33,7 +34,7 @@ use compensation::{
     Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
 };
 pub use event::{Event, Events};
-use gathering::Follows;
+use follows::Follows;
 use heard::{Change, Heard};
 pub use news::GROWTH;
 use plan::{Phase, Phases};

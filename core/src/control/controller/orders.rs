@@ -2,7 +2,7 @@
 
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
-use super::gathering::Follows;
+use super::follows::Follows;
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;

@@ -1,7 +1,7 @@
 //! What of a controller outlives a restart: what was learned, and how far the task has got.
 
 use super::Controller;
-use super::gathering::Follows;
+use super::follows::Follows;
 use super::plan::Phase;
 use super::record::Record;
 use crate::drive::{DriveBelief, DriveEstimate};

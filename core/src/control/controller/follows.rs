@@ -1,0 +1,65 @@
+//! What is believed of a drive, and what is gathered to teach more.
+
+use crate::drive::{DriveBelief, Stretch};
+use crate::kinematics::Drive;
+use crate::settings::{Method, Settings};
+use crate::time::RobotTime;
+use std::sync::Arc;
+
+/// What is believed of how late the drive follows, and what is gathered to teach more.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Follows {
+    /// Shared with what is shown of it.
+    pub(super) belief: Arc<DriveBelief>,
+    pub(super) stretch: Stretch,
+    /// When the robot was last commanded to move; none before.
+    pub(super) moved: Option<RobotTime>,
+}
+
+impl Follows {
+    /// What is believed at first, where the settings ask for that.
+    pub(super) fn new(settings: &Settings) -> Option<Self> {
+        let drive = &settings.drive;
+        let belief = if settings.identifies_lag {
+            DriveBelief::new(drive.track_width)
+        } else if settings.method == Method::Adaptive {
+            DriveBelief::of_known_lag(drive)
+        } else {
+            return None;
+        };
+        Some(Self::of(Arc::new(belief)))
+    }
+
+    /// What is believed under the settings `now`, where it was this under those `before`.
+    pub(super) fn redescribed(
+        this: Option<Self>,
+        before: &Settings,
+        now: &Settings,
+    ) -> Option<Self> {
+        let this = this.filter(|_| asks(before) == asks(now))?;
+        let belief = Arc::unwrap_or_clone(this.belief);
+        Some(Self::of(Arc::new(belief.described_anew(&before.drive, &now.drive))))
+    }
+
+    /// What is believed already.
+    pub(super) fn of(belief: Arc<DriveBelief>) -> Self {
+        Self { belief, stretch: Stretch::default(), moved: None }
+    }
+
+    /// On another floor.
+    pub(super) fn on_another_floor(self) -> Self {
+        Self::of(Arc::new(Arc::unwrap_or_clone(self.belief).on_another_floor()))
+    }
+
+    /// Begins anew: what was gathered so far does not go on.
+    pub(super) fn forget(&mut self) {
+        (self.stretch, self.moved) = (Stretch::default(), None);
+    }
+}
+
+/// What settings ask of a drive: whether its scale is identified, and how late it is where that is known.
+fn asks(settings: &Settings) -> (bool, Option<(f64, f64)>) {
+    let Drive { lag, dead_time, .. } = settings.drive;
+    let given = (!settings.identifies_lag).then_some((lag, dead_time));
+    (settings.method == Method::Adaptive, given)
+}
