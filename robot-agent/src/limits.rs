@@ -15,6 +15,8 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) struct Limits {
     told: Told,
     drive: Drive,
+    /// How many times its largest speeds it may be commanded.
+    corrected_up_to: f64,
     /// Tag of the drive, 0 while the server has not said it.
     tag: u64,
     /// Whether no one has looked at it yet.
@@ -33,7 +35,8 @@ pub(crate) enum Refused {
 impl Limits {
     /// Those of a robot whose agent was `told` so much.
     pub(crate) fn new(told: Told) -> Self {
-        Self { told, drive: told.over(Drive::default()), tag: 0, is_news: false }
+        let drive = told.over(Drive::default());
+        Self { told, drive, corrected_up_to: 1.0, tag: 0, is_news: false }
     }
 
     /// The drive.
@@ -63,15 +66,21 @@ impl Limits {
             return Err(Refused::Differs(differences));
         }
         (self.drive, self.tag, self.is_news) = (drive, tagged.tag, true);
+        self.corrected_up_to = tagged.corrected_up_to.unwrap_or(1.0);
         Ok(true)
     }
 
     /// Brings `horizon` within the limits; whether it was beyond.
     pub(crate) fn hold(&self, horizon: &mut Horizon) -> bool {
         let mut over = false;
+        let drive = Drive {
+            max_linear: self.drive.max_linear * self.corrected_up_to,
+            max_angular: self.drive.max_angular * self.corrected_up_to,
+            ..self.drive
+        };
         for speeds in &mut horizon.speeds {
             let twist = kinematics::forward(&self.drive, *speeds);
-            let limited = self.drive.limited(twist);
+            let limited = drive.limited(twist);
             let excess = (twist.linear - limited.linear).abs();
             if excess.max((twist.angular - limited.angular).abs()) > ROUNDING {
                 *speeds = kinematics::inverse(&self.drive, limited);
@@ -89,7 +98,29 @@ mod tests {
 
     fn tagged(wheel_radius: f64) -> TaggedDrive {
         let drive = Drive { wheel_radius, ..Drive::default() };
-        TaggedDrive { tag: wheel_radius.to_bits() >> 11, drive: drive.into() }
+        TaggedDrive {
+            tag: wheel_radius.to_bits() >> 11,
+            drive: drive.into(),
+            corrected_up_to: None,
+        }
+    }
+
+    /// Guards against: commands that are corrected for small wheels are cut, and what is cut is corrected for again.
+    #[test]
+    fn corrected_commands_may_be_faster_by_so_much() {
+        let fast = 1.4 * 0.13 / 0.03;
+        let hold = |corrected_up_to| {
+            let mut limits = Limits::new(Told::default());
+            let tagged = TaggedDrive { corrected_up_to, ..tagged(0.03) };
+            assert!(matches!(limits.describe(&tagged), Ok(true)));
+            let mut horizon = Horizon::EMPTY;
+            horizon.speeds.push(WheelSpeeds { left: fast, right: fast });
+            limits.hold(&mut horizon)
+        };
+        assert!(hold(None) && hold(Some(1.2)) && !hold(Some(1.5)));
+        let mut limits = Limits::new(Told::default());
+        let wrong = TaggedDrive { corrected_up_to: Some(9.0), ..tagged(0.03) };
+        assert!(matches!(limits.describe(&wrong), Err(Refused::Unbelievable(_))));
     }
 
     /// Guards against: the robot moves by default wheels, and what is missing is taken for slip.

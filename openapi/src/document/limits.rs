@@ -47,7 +47,10 @@ pub(super) fn apply(schemas: &mut Schemas) {
             drive_tag: Some(0),
         },
     );
-    write(schemas, &step::TaggedDrive { tag: 1, drive: robot::Drive::default() });
+    write(
+        schemas,
+        &step::TaggedDrive { tag: 1, drive: robot::Drive::default(), corrected_up_to: Some(1.0) },
+    );
     write(
         schemas,
         &step::Horizon {

@@ -1,7 +1,7 @@
 //! How late a robot's drive follows its commands, as it is identified.
 
+use super::estimate::{Estimate, Status};
 use super::scale::Scale;
-use super::{Interval, Status};
 use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,16 +29,4 @@ pub struct Drive {
     /// Wheels and track with which the robot moves as it does; null where nothing of the drive is identified.
     #[serde(default)]
     pub scale: Option<Scale>,
-}
-
-/// A quantity with its uncertainty, in the unit that its name ends with.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = DriveEstimate)]
-pub struct Estimate {
-    /// Its expected value; null where there is none.
-    pub mean: Option<f64>,
-    /// Its standard deviation; null where it is given.
-    pub sd: Option<f64>,
-    /// Holds it with probability `level`; null where it is given.
-    pub interval: Option<Interval>,
 }

@@ -3,9 +3,11 @@
 //! Simulated environments, which have names, stand in [`crate::training`].
 
 mod drive;
+mod estimate;
 mod scale;
 
-pub use drive::{Drive, Estimate};
+pub use drive::Drive;
+pub use estimate::{Estimate, Interval, Status};
 pub use scale::{Scale, Split};
 
 use crate::id::PriorId;
@@ -142,51 +144,6 @@ pub struct Channel {
     /// What the watch found, for which samples are set aside; null where `status` is not `rejected`.
     #[serde(default)]
     pub rejected_for: Option<watch::State>,
-}
-
-/// How far an estimate has got.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schema(as = EstimateStatus)]
-pub enum Status {
-    /// No sample can change it: it is a constant of a fixed model.
-    Unestimated,
-    /// The prior still dominates.
-    Estimating,
-    /// The samples say at least as much as the prior.
-    Estimated,
-    /// Samples are set aside: the watch holds the robot at rest because its motion is not what was commanded.
-    Rejected,
-    /// It is described, not identified.
-    Given,
-    /// Something of another version.
-    #[default]
-    #[serde(other)]
-    Other,
-}
-
-impl Status {
-    /// The name on the wire.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Unestimated => "unestimated",
-            Self::Estimating => "estimating",
-            Self::Estimated => "estimated",
-            Self::Rejected => "rejected",
-            Self::Given => "given",
-            Self::Other => "other",
-        }
-    }
-}
-
-/// From `low` to `high`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = Interval)]
-pub struct Interval {
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
 }
 
 /// What is believed about the link.

@@ -1,6 +1,6 @@
 //! By how much a robot moves otherwise than its wheels and track say, as it is identified.
 
-use super::drive::Estimate;
+use super::estimate::Estimate;
 use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
 

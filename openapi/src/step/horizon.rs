@@ -87,6 +87,9 @@ pub struct Reply {
     pub drive: Option<Box<TaggedDrive>>,
 }
 
+/// No wheels are told wrong by more without that being mended first.
+pub const CORRECTION: Range = Range::new(1.0, 2.0, "");
+
 /// The drive of a robot, as the server was told it, and the tag by which both sides know it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = TaggedDrive)]
@@ -95,11 +98,18 @@ pub struct TaggedDrive {
     pub tag: u64,
     /// Geometry, limits and lag.
     pub drive: Drive,
+    /// How many times its largest speeds the robot may be commanded, as described: what its wheels really do is identified,
+    /// and commands are corrected by it. Left out where they are not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corrected_up_to: Option<f64>,
 }
 
 impl Validate for TaggedDrive {
     fn check(&self, check: &mut Check) {
         check.integer("tag", self.tag, 1..=MAX_INTEGER);
+        if let Some(factor) = self.corrected_up_to {
+            check.number("corrected_up_to", factor, CORRECTION);
+        }
         check.field("drive", |check| self.drive.check(check));
     }
 }

@@ -18,6 +18,10 @@ const DELAY_STEP: f64 = 0.01;
 /// A change in s of dead time and lag together from which on a drive is another one: what it taught meanwhile is wrong.
 const OTHER_DRIVE: f64 = 0.015;
 
+/// Times its largest speeds that a robot is commanded at most, as described, where its wheels do less than that: what asks for
+/// more is to be described anew.
+pub const MOST_CORRECTED: f64 = 1.5;
+
 /// Standard deviations above the mean that are exceeded once in a hundred times.
 const SURELY: f64 = 2.326;
 
@@ -87,8 +91,9 @@ fn scaled(drive: &Drive, belief: &DriveBelief) -> Drive {
         wheel_radius: drive.wheel_radius * forward,
         track_width,
         unequal: drive.unequal + drift * track_width / forward,
-        max_linear: drive.max_linear / larger(forward, sd.forward),
-        max_angular: drive.max_angular / larger(turn, sd.turn),
+        max_linear: drive.max_linear
+            * (MOST_CORRECTED * forward).min(larger(forward, sd.forward).recip()),
+        max_angular: drive.max_angular * (MOST_CORRECTED * turn).min(larger(turn, sd.turn).recip()),
         // The motors stand below a speed of the wheels.
         min_linear: drive.min_linear * forward,
         min_angular: drive.min_angular * turn,

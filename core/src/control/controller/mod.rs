@@ -30,6 +30,7 @@ use crate::settings::Settings;
 use crate::task::{Limit, Progress, Task};
 use crate::time::RobotTime;
 use crate::watch::Watch;
+pub use acting::MOST_CORRECTED;
 use compensation::{
     Compensation, DelayModel, Identified, NominalDelay, PathFollower, PoseEstimator, QuadraticCurve,
 };

@@ -16,10 +16,10 @@ use umwelt_api::step::TaggedDrive;
 use umwelt_api::task;
 use umwelt_api::watch::Watch;
 use umwelt_core::check::Report;
-use umwelt_core::controller::{Controller, Saved};
+use umwelt_core::controller::{Controller, MOST_CORRECTED, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::local::LocalLimits;
-use umwelt_core::settings::Settings;
+use umwelt_core::settings::{Method, Settings};
 use umwelt_core::task::{Progress, Task};
 use umwelt_core::watch::Alarm;
 
@@ -44,7 +44,14 @@ impl Described {
         let (prior, source) = (prior.as_deref().map(Arc::from), priors.source(prior.as_deref()));
         let etag = etag::of(&(Spec::from_core(&settings, prior.as_deref()), &said));
         let drive = settings.drive.into();
-        let drive = TaggedDrive { tag: etag::tag(&drive), drive };
+        let is_corrected = settings.method == Method::Adaptive;
+        let corrected_up_to = is_corrected.then_some(MOST_CORRECTED);
+        // What is not corrected has the tag that it always had.
+        let tag = match corrected_up_to {
+            Some(factor) => etag::tag(&(drive, factor)),
+            None => etag::tag(&drive),
+        };
+        let drive = TaggedDrive { tag, drive, corrected_up_to };
         Self { settings, prior, source, said: said.into(), drive, etag }
     }
 
