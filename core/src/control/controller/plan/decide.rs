@@ -17,7 +17,7 @@ const WORTH_TURNING: f64 = 0.02;
 /// Beyond this heading error in rad a turn under way keeps its side: half a turn has no shorter one.
 const KEEP_SIDE: f64 = 2.0;
 
-/// Part of the smallest speed up to which a robot turns in place: what becomes of a turn where more is known of its wheels.
+/// Part of the smallest speed up to which a robot of unequal wheels turns in place.
 const IN_PLACE: f64 = 0.1;
 
 /// Times that differ by less than this many s are the same moment.
@@ -125,7 +125,9 @@ impl<F: PathFollower> Roll<'_, F> {
 
     fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {
         let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
-        if self.state.previous.linear.abs() > IN_PLACE * drive.min_linear {
+        // Of unequal wheels more and more is known: what was a turn in place no longer is to the last digit.
+        let in_place = if drive.unequal == 0.0 { 0.0 } else { IN_PLACE * drive.min_linear };
+        if self.state.previous.linear.abs() > in_place {
             return Some(Twist::ZERO);
         }
         let (ahead, aside) = pose.toward(target);
