@@ -57,7 +57,7 @@ fn identified(
                 time += SLOT;
             }
         }
-        let Some((first, last)) = stretch.ends() else { continue };
+        let Some((first, _)) = stretch.ends() else { continue };
         let from = first.taken.seconds() - 2.0 * LONGEST;
         let mut commanded = Commanded::new(RobotTime::new(from));
         for pair in commands.windows(2) {
@@ -68,7 +68,6 @@ fn identified(
         }
         belief.update(&stretch, &commanded, model.noise, model.drive.track_width);
         stretch = Stretch::default();
-        let _ = stretch.push(last);
     }
     Ok(belief.estimate())
 }

@@ -104,7 +104,7 @@ impl<const P: usize> Filters<P> {
             let it = self.filters[level].as_ref()?;
             let mut levels = [0.0; LEVELS.len()];
             levels[level] = 1.0;
-            let known = Regression { mean: it.mean, covariance: it.covariance, levels };
+            let known = self.known.updated(it.mean, it.covariance, levels);
             Some((known, (ln_weight - best).exp() / sum))
         });
         let likeliest = self

@@ -26,7 +26,7 @@ use crate::prediction::Scale;
 use filter::{Filters, Judgement};
 use grid::{Grid, Hypothesis};
 use parts::{Normal, Parts};
-use regression::Regression;
+use regression::{Delay, Regression};
 use serde::{Deserialize, Serialize};
 
 /// Standard deviations of the scale of forward motion and of turns before any sample, of robots and of floors: wheels told
@@ -161,8 +161,9 @@ impl DriveBelief {
         track_width: f64,
     ) -> Judged {
         let Hypothesis { sum, share, .. } = hypothesis;
-        let mut turn = Filters::new(&self.turn, noise.heading);
-        let mut forward = Filters::new(&self.forward, noise.position);
+        let delay = Delay::new(sum, share);
+        let mut turn = Filters::new(&self.turn.at(delay), noise.heading);
+        let mut forward = Filters::new(&self.forward.at(delay), noise.position);
         let (dead_time, lag) = (sum * (1.0 - share), sum * share);
         let drift = DRIFT / track_width;
         // The same poses for all hypotheses: a pose more is evidence more.
