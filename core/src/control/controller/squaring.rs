@@ -104,8 +104,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     pub(super) fn runs_driven(&self, progress: Progress) -> Progress {
         let Some(square) = self.task.as_ref().and_then(|task| task.square) else { return progress };
         let legs = 2 * square.runs as usize;
-        let driven = self.runs.as_ref().map_or(0, |runs| runs.driven() as usize);
+        let (driven, elapsed) = match (&self.runs, &self.square_report) {
+            (Some(runs), _) => (runs.driven() as usize, runs.span()),
+            (None, Some(report)) => (legs, report.span),
+            (None, None) => (0, 0.0),
+        };
         let leg = if progress.stage == Stage::Arrived { legs } else { driven };
-        Progress { leg, legs, ..progress }
+        Progress { leg, legs, elapsed, ..progress }
     }
 }

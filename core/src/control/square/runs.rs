@@ -259,9 +259,13 @@ impl Runs {
         self.begin_anew();
     }
 
+    /// Time in s since the first pose.
+    pub fn span(&self) -> f64 {
+        self.begun.map_or(0.0, |begun| self.now - begun)
+    }
+
     /// The report of a square that ended so, of a robot described by `drive`.
     pub fn report(&self, ending: Ending, drive: &Drive) -> Report {
-        let span = self.begun.map_or(0.0, |begun| self.now - begun);
-        Report::of(ending, &self.course, &self.returns, drive, span)
+        Report::of(ending, &self.course, &self.returns, drive, self.span())
     }
 }
