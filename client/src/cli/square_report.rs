@@ -84,9 +84,10 @@ fn explained(report: &Report, found: &Systematic) -> [(&'static str, String); 3]
         100.0 * (larger - 1.0),
         beta.abs(),
     );
+    let longer = if found.length_ratio < 1.0 { "shorter" } else { "longer" };
     let radius = format!(
-        "drives {} against the command, as with wheels of {:.5} m, described {described_radius:.5} m; with these the track is {:.4} m",
-        percent(found.length_ratio),
+        "sides are {:.2} % {longer} than commanded, as with wheels of {:.5} m, described {described_radius:.5} m; with these the track is {:.4} m",
+        100.0 * (found.length_ratio - 1.0).abs(),
         found.wheel_radius_m,
         found.track_width_with_radius_m,
     );
@@ -121,7 +122,7 @@ mod tests {
         assert!(lines[5].contains("0.0971 m, described 0.1000 m (-2.90 %)"), "{text}");
         assert!(lines[5].ends_with("a quarter turn goes too far by 2.60 deg"), "{text}");
         assert!(lines[6].contains("the right one is larger by 2.00 %"), "{text}");
-        assert!(lines[7].contains("drives +3.00 % against the command"), "{text}");
+        assert!(lines[7].contains("sides are 3.00 % longer than commanded"), "{text}");
         assert!(!text.contains("centres"));
     }
 

@@ -12,11 +12,11 @@ use clap::Args;
 use serde_json::json;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
-use umwelt_api::RobotId;
 use umwelt_api::robot::Robot;
 use umwelt_api::square::{Report, Square};
 use umwelt_api::task::{Spec, Stage, Task};
 use umwelt_api::watch;
+use umwelt_api::{RobotId, Validate};
 use umwelt_client::Client;
 
 /// How often it is asked how far the robot is.
@@ -95,7 +95,11 @@ impl Calibrate {
 /// The task that is this square, as the contract fills it in.
 fn spec(square: Square) -> Result<Spec, Failure> {
     let spec = json!({ "waypoints": [], "square": square });
-    serde_json::from_value(spec).map_err(|error| Failure::Failed(format!("no square: {error}")))
+    let spec: Spec = serde_json::from_value(spec)
+        .map_err(|error| Failure::Failed(format!("no square: {error}")))?;
+    // Before the room is said, which would be that of no square.
+    spec.validate().map_err(|problems| Failure::wrong_body("what is asked for", &problems))?;
+    Ok(spec)
 }
 
 /// What the robot is about to do, and how much room it needs.
@@ -212,5 +216,7 @@ mod tests {
         let square = Square { side_m: Some(0.7), runs: 2, speed_share: 0.5 };
         let spec = spec(square).unwrap();
         assert_eq!((spec.square, spec.waypoints.len()), (Some(square), 0));
+        let wrong = super::spec(Square { runs: 9, ..square });
+        assert!(matches!(wrong, Err(Failure::Wrong(text)) if text.contains("square.runs")));
     }
 }

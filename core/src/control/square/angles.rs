@@ -23,7 +23,7 @@ pub struct Angles {
 }
 
 impl Angles {
-    /// The angles of first order (eq. 15 to 18): errors (x, y) in m of the centres of gravity of runs to the left and to the
+    /// The angles of first order, as the paper has them: errors (x, y) in m of the centres of gravity of runs to the left and to the
     /// right, in the frame of their start, with sides of `side` m.
     ///
     /// alpha = (x_cw + x_ccw)/(-4L) = (y_cw - y_ccw)/(-4L), beta = (x_cw - x_ccw)/(-4L) = (y_cw + y_ccw)/(-4L): of each pair
@@ -49,8 +49,8 @@ impl Angles {
             let more = Self::of_first_order(left_over.0, left_over.1, side);
             angles.alpha += more.alpha;
             angles.beta += more.beta;
-            let is_no_square = !(angles.alpha.abs() + angles.beta.abs() <= LARGEST);
-            if is_no_square {
+            let together = angles.alpha.abs() + angles.beta.abs();
+            if together.is_nan() || together > LARGEST {
                 return None;
             }
             if more.alpha.abs() + more.beta.abs() < FOUND {

@@ -1,7 +1,7 @@
 //! UMBmark: a square driven both ways, whose return errors show how wheels and track differ from the description.
 //!
 //! J. Borenstein, L. Feng: Measurement and correction of systematic odometry errors in mobile robots, IEEE Transactions on
-//! Robotics and Automation 12(6), 1996. Equations are cited from there.
+//! Robotics and Automation 12(6), 1996.
 //!
 //! The motion is open loop: four sides and four quarter turns to the left, then the same to the right ([`Course`]), with a
 //! rest after each. What is commanded is exactly the side and the quarter turn, by the drive as described ([`pace`]); where
