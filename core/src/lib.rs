@@ -74,7 +74,7 @@ mod control;
 #[cfg(feature = "controller")]
 pub use control::{
     check, commands, conjugate, controller, derived, drive, identification, prediction, settings,
-    steering, task, watch,
+    square, steering, task, watch,
 };
 
 #[cfg(feature = "controller")]

@@ -45,6 +45,7 @@ pub mod robot_check;
 #[cfg(test)]
 mod round_trip;
 pub mod schema;
+pub mod square;
 pub mod step;
 pub mod stop;
 pub mod task;

@@ -8,6 +8,7 @@ use crate::number;
 use crate::problem::Problems;
 use crate::robot_check::{Report, Wiggle};
 use crate::schema::ToSchema;
+use crate::square::{self, Square};
 use crate::watch;
 use serde::{Deserialize, Serialize};
 
@@ -98,8 +99,8 @@ impl Validate for Calibration {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = TaskSpec)]
 pub struct Spec {
-    /// Places to stop at, at least one; none where the task is a check. The first leg leads from where the robot stands to
-    /// the first of them.
+    /// Places to stop at, at least one; none where the task is a check or a square. The first leg leads from where the robot
+    /// stands to the first of them.
     pub waypoints: Vec<Waypoint>,
     /// Distance from a waypoint within which the robot has arrived. Null or left out: that of the robot
     /// (`steering.tolerance_m`).
@@ -120,6 +121,10 @@ pub struct Spec {
     /// default one for `{}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub check: Option<Wiggle>,
+    /// A square driven both ways in place of waypoints and calibration, which ends in a report of how wheels and track differ
+    /// from the description; the default one for `{}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub square: Option<Square>,
 }
 
 impl Validate for Spec {
@@ -136,17 +141,21 @@ impl Validate for Spec {
             check.field("calibration", |check| calibration.check(check));
         }
         let count = self.waypoints.len();
-        let Some(wiggle) = &self.check else {
-            return check.agrees("waypoints", count > 0, count, "say at least one, or a check");
-        };
-        check.field("check", |check| wiggle.check(check));
-        let is_alone = count == 0 && self.calibration.is_none();
-        check.agrees(
-            "check",
-            is_alone,
-            "beside",
-            "leave out waypoints and calibration, or the check",
-        );
+        if self.check.is_none() && self.square.is_none() {
+            let remedy = "say at least one, or a check, or a square";
+            return check.agrees("waypoints", count > 0, count, remedy);
+        }
+        let is_way = count > 0 || self.calibration.is_some();
+        if let Some(wiggle) = &self.check {
+            check.field("check", |check| wiggle.check(check));
+            let remedy = "leave out waypoints and calibration, or the check";
+            check.agrees("check", !is_way, "beside", remedy);
+        }
+        if let Some(square) = &self.square {
+            check.field("square", |check| square.check(check));
+            let remedy = "leave out waypoints, calibration and check, or the square";
+            check.agrees("square", !is_way && self.check.is_none(), "beside", remedy);
+        }
     }
 }
 
@@ -167,7 +176,7 @@ impl Spec {
 pub enum Stage {
     /// No task.
     Idle,
-    /// Moving to learn the environment before the task, or to be checked.
+    /// Moving to learn the environment before the task, to be checked, or to be calibrated by a square.
     Calibrating,
     /// Turning in place toward the next waypoint.
     Turning,
@@ -175,7 +184,7 @@ pub enum Stage {
     Driving,
     /// At rest at a waypoint until it has been seen there.
     Stopping,
-    /// At the last waypoint, or at the end of a check: the task is done.
+    /// At the last waypoint, or at the end of a check or a square: the task is done.
     Arrived,
 }
 
@@ -185,9 +194,9 @@ pub enum Stage {
 pub struct Progress {
     /// What the robot is doing.
     pub stage: Stage,
-    /// Index of the waypoint it is heading for; their number once arrived.
+    /// Index of the waypoint it is heading for, or of the run of its square; their number once arrived.
     pub leg: usize,
-    /// Number of waypoints.
+    /// Number of waypoints, or of runs of a square.
     pub legs: usize,
     /// Distance of the last accepted pose from the current leg.
     #[serde(serialize_with = "number::finite")]
@@ -219,6 +228,9 @@ pub struct Task {
     /// The report of a check that has ended; a server that was restarted since has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub check: Option<Report>,
+    /// The report of a square that has ended; a server that was restarted since has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub square: Option<square::Report>,
     /// Version of the spec, for `If-Match`.
     pub etag: String,
 }

@@ -20,6 +20,7 @@ mod prior;
 mod progress;
 mod quantity;
 mod robot;
+mod square_report;
 mod stop;
 mod table;
 mod task;

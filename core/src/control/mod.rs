@@ -10,6 +10,7 @@ pub mod drive;
 pub mod identification;
 pub mod prediction;
 pub mod settings;
+pub mod square;
 pub mod steering;
 pub mod task;
 pub mod watch;

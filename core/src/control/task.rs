@@ -57,10 +57,32 @@ impl Default for Check {
     }
 }
 
+/// Most runs each way of a square: their mean is known to less than half of what a single one is.
+pub const MAX_RUNS: u32 = 5;
+
+/// A square driven both ways, whose return errors show how wheels and track differ from the description: see
+/// [`crate::square`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Square {
+    /// Length of a side in m; none for one that follows from the robot.
+    pub side: Option<f64>,
+    /// Runs each way, 1..=[`MAX_RUNS`].
+    pub runs: u32,
+    /// Speed of sides and turns as a part of the largest one of the drive.
+    pub speed: f64,
+}
+
+impl Default for Square {
+    /// One run each way, as fast as a [`Check`] goes at most.
+    fn default() -> Self {
+        Self { side: None, runs: 1, speed: 0.7 }
+    }
+}
+
 /// Waypoints to visit in order, each a stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
-    /// Points to stop at, at least one; none where the task is a check. The path is the straight segments between them; the first leg leads from
+    /// Points to stop at, at least one; none where the task is a check or a square. The path is the straight segments between them; the first leg leads from
     /// where the robot stands when the task begins to the first point (at once where it stands on it).
     pub waypoints: Vec<Point>,
     /// Distance in m from a waypoint within which the robot has arrived.
@@ -73,12 +95,19 @@ pub struct Task {
     pub max_deviation: Option<f64>,
     /// The wiggle that the task is, in place of a way to waypoints.
     pub check: Option<Check>,
+    /// The square that the task is, in place of a way to waypoints.
+    pub square: Option<Square>,
 }
 
 impl Task {
     /// The task that is a check.
     pub fn checking(check: Check) -> Self {
         Self { waypoints: Vec::new(), calibration: None, check: Some(check), ..Self::thesis() }
+    }
+
+    /// The task that is a square.
+    pub fn squaring(square: Square) -> Self {
+        Self { waypoints: Vec::new(), calibration: None, square: Some(square), ..Self::thesis() }
     }
 
     /// Largest distance in m from a leg of `length` m where the task says none: a robot of track `track` m that is
@@ -96,6 +125,7 @@ impl Task {
             calibration: Some(Calibration::default()),
             max_deviation: None,
             check: None,
+            square: None,
         }
     }
 }
@@ -105,7 +135,7 @@ impl Task {
 pub enum Stage {
     /// No task.
     Idle,
-    /// Moving to learn the environment before the task, or to be checked.
+    /// Moving to learn the environment before the task, to be checked, or to be calibrated by a square.
     Calibrating,
     /// Turning in place toward the next waypoint.
     Turning,
@@ -141,9 +171,9 @@ pub enum Limit {
 pub struct Progress {
     /// What the robot is doing.
     pub stage: Stage,
-    /// Index of the waypoint it is heading for; their number once arrived.
+    /// Index of the waypoint it is heading for, or of the run of its square; their number once arrived.
     pub leg: usize,
-    /// Number of waypoints.
+    /// Number of waypoints, or of runs of a square.
     pub legs: usize,
     /// Distance in m of the last accepted pose from the current leg.
     pub deviation: f64,

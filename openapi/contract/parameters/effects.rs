@@ -132,7 +132,7 @@ const ROBOT: [(&str, &str); 38] = [
     ("prior.drift.s", "Larger: a wider prediction, so a slower robot."),
 ];
 
-const TASK: [(&str, &str); 12] = [
+const TASK: [(&str, &str); 16] = [
     (
         "calibration",
         "Without one the environment is learned on the way; the first leg is driven by the prior.",
@@ -157,6 +157,13 @@ const TASK: [(&str, &str); 12] = [
     ),
     ("check.drive_s", "Longer: more room, and a noisier tracker suffices."),
     ("check.speed_share", "Larger: motors that stand at small speeds turn."),
+    (
+        "square",
+        "The robot drives a square both ways, open loop, and reports how wheels and track differ from the description (`docs/calibrate.md`).",
+    ),
+    ("square.runs", "More: the floor's chance weighs less, and it takes longer."),
+    ("square.side_m", "Longer: the noise of the camera weighs less, and it needs more room."),
+    ("square.speed_share", "Slower: wheels slip less, and it takes longer."),
     ("max_deviation_m", "Farther from the leg the robot rests and shows `off-path`."),
     ("reverse", "`true`: shorter ways back, driven with the tail ahead."),
     (

@@ -10,6 +10,7 @@ mod numbers;
 mod prior;
 mod robot;
 mod robot_check;
+mod square;
 mod step;
 mod task;
 mod training;

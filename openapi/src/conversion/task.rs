@@ -2,6 +2,7 @@
 
 use crate::checked::Checked;
 use crate::robot_check::Wiggle;
+use crate::square::Square;
 use crate::task::{Calibration, Progress, Spec, Stage, Waypoint};
 use crate::watch;
 use umwelt_core::geometry::Point;
@@ -28,6 +29,7 @@ impl From<&task::Task> for Spec {
             calibration: core.calibration.map(Calibration::from),
             max_deviation_m: core.max_deviation,
             check: core.check.map(Wiggle::from),
+            square: core.square.map(Square::from),
         }
     }
 }
@@ -104,6 +106,7 @@ impl Spec {
             reverse: self.reverse,
             max_deviation: self.max_deviation_m,
             check: self.check.map(|check| check.convert()),
+            square: self.square.map(|square| square.convert()),
             calibration: self.calibration.map(|calibration| task::Calibration {
                 rotations: calibration.rotations,
                 angular: calibration.angular_rad_per_s,

@@ -2,7 +2,7 @@
 
 use crate::check::{Check, Limit, Validate};
 use crate::endpoint::Schemas;
-use crate::{comparison, evolution, prior, robot, robot_check, step, task, training};
+use crate::{comparison, evolution, prior, robot, robot_check, square, step, task, training};
 use utoipa::openapi::schema::{ArrayItems, Schema, SchemaType, Type};
 use utoipa::openapi::{Object, RefOr};
 use utoipa::{Number, ToSchema};
@@ -29,6 +29,7 @@ pub(super) fn apply(schemas: &mut Schemas) {
             calibration: Some(task::Calibration::default()),
             max_deviation_m: Some(1.0),
             check: Some(robot_check::Wiggle::default()),
+            square: Some(square::Square { side_m: Some(1.0), ..square::Square::default() }),
         },
     );
     write_evolve(schemas);

@@ -174,6 +174,26 @@ fn a_check_is_a_task_of_its_own() {
 }
 
 #[test]
+fn a_square_is_a_task_of_its_own() {
+    let said = |body: &str| problems(task::Spec::read(body.as_bytes()));
+    let alone = task::Spec::read(br#"{"waypoints": [], "square": {}}"#).unwrap().to_core(0.01);
+    assert_eq!(alone, core_task::Task::squaring(core_task::Square::default()));
+    let odd = r#"{"waypoints": [], "square": {"side_m": 20, "runs": 0, "speed_share": 2}}"#;
+    let fields = ["square.side_m", "square.runs", "square.speed_share"];
+    assert_eq!(said(odd), pairs(&fields.map(|field| (reason::OUT_OF_RANGE, field))));
+    for beside in [
+        r#"{"waypoints": [{"x_m": 0, "y_m": 0}], "square": {}}"#,
+        r#"{"waypoints": [], "calibration": {}, "square": {}}"#,
+        r#"{"waypoints": [], "check": {}, "square": {}}"#,
+    ] {
+        assert_eq!(said(beside), pairs(&[(reason::INCONSISTENT, "square")]), "{beside}");
+    }
+    // A server of before takes a task without a square.
+    let way = serde_json::to_value(task::Spec::from(&core_task::Task::thesis())).unwrap();
+    assert_eq!(way.get("square"), None);
+}
+
+#[test]
 fn times_out_of_order_are_refused() {
     let at = |taken: f64| json!({"x_m": 0, "y_m": 0, "heading_rad": 0, "taken_s": taken});
     let body = json!({"sequence": 5, "epoch": 1, "sent_s": 10.0, "observations": [at(1.0), at(1.0), at(11.0)],

@@ -1,6 +1,6 @@
 //! Every value of core that the wire allows.
 
-use crate::{Range, robot, robot_check, step, task};
+use crate::{Range, robot, robot_check, square, step, task};
 use proptest::prelude::*;
 use proptest::sample::select;
 use umwelt_core::actuation::Playing;
@@ -140,6 +140,12 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
     )
 }
 
+fn drawn_square() -> impl Strategy<Value = core_task::Square> {
+    let side = prop::option::of(within(square::SIDE));
+    (side, 1..=core_task::MAX_RUNS, within(square::SPEED_SHARE))
+        .prop_map(|(side, runs, speed)| core_task::Square { side, runs, speed })
+}
+
 pub(super) fn task() -> impl Strategy<Value = core_task::Task> {
     let point =
         (within(task::COORDINATE), within(task::COORDINATE)).prop_map(|(x, y)| Point::new(x, y));
@@ -175,18 +181,23 @@ pub(super) fn task() -> impl Strategy<Value = core_task::Task> {
         prop::option::of(calibration),
         prop::option::of(within(task::MAX_DEVIATION)),
         prop::option::weighted(0.2, check),
+        prop::option::weighted(0.2, drawn_square()),
     )
-        .prop_map(|(waypoints, tolerance, reverse, calibration, max_deviation, check)| {
-            let is_way = check.is_none();
-            core_task::Task {
-                waypoints: if is_way { waypoints } else { Vec::new() },
-                tolerance,
-                reverse,
-                calibration: calibration.filter(|_| is_way),
-                max_deviation,
-                check,
-            }
-        })
+        .prop_map(
+            |(waypoints, tolerance, reverse, calibration, max_deviation, check, square)| {
+                let square = square.filter(|_| check.is_none());
+                let is_way = check.is_none() && square.is_none();
+                core_task::Task {
+                    waypoints: if is_way { waypoints } else { Vec::new() },
+                    tolerance,
+                    reverse,
+                    calibration: calibration.filter(|_| is_way),
+                    max_deviation,
+                    check,
+                    square,
+                }
+            },
+        )
 }
 
 pub(super) fn request() -> impl Strategy<Value = Request> {

@@ -38,7 +38,7 @@ const CORE: Layers = &[
     &["control/identification/"],
     &["control/drive/"],
     &["control/steering.rs"],
-    &["control/watch/", "control/check/"],
+    &["control/watch/", "control/check/", "control/square/"],
     &["control/controller/"],
     &["control/mod.rs"],
     &["simulation/draws.rs"],
@@ -66,6 +66,7 @@ const API: Layers = &[
     &[
         "robot/",
         "robot_check/",
+        "square/",
         "task.rs",
         "step/",
         "stop.rs",

@@ -34,6 +34,7 @@ fn straight_to(x_m: f64) -> task::Spec {
         calibration: None,
         max_deviation_m: None,
         check: None,
+        square: None,
     }
 }
 

@@ -44,6 +44,7 @@ fn straight_to(x: f64) -> Task {
         calibration: None,
         max_deviation: None,
         check: None,
+        square: None,
     }
 }
 

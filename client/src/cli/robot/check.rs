@@ -6,12 +6,13 @@ use super::super::output::Output;
 use super::super::progress::{StatusLine, say, wait};
 use super::super::quantity::{self, metres};
 use super::super::task::assign;
+use super::ready::refusal;
 use clap::Args;
 use serde_json::json;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_api::RobotId;
-use umwelt_api::robot::{Robot, State};
+use umwelt_api::robot::Robot;
 use umwelt_api::robot_check::{Report, Wiggle};
 use umwelt_api::task::{Spec, Stage, Task};
 use umwelt_client::{Client, Error};
@@ -50,7 +51,7 @@ impl Check {
     pub(super) async fn run(self, client: &Client, output: &mut Output) -> Result<(), Failure> {
         let id = &self.robot;
         let robot = wait(client.get_robot(id)).await?;
-        if let Some(reason) = self.refusal(&robot) {
+        if let Some(reason) = refusal(&robot, self.replace_task) {
             return Err(Failure::Failed(format!("{id} is not checked: {reason}")));
         }
         let wiggle = Wiggle::default();
@@ -77,35 +78,6 @@ impl Check {
                 Err(Failure::Failed(format!("{count} things are wrong with {id} or its tracker")))
             }
         }
-    }
-
-    /// Why the robot is not to be moved now, and what to do about it.
-    fn refusal(&self, robot: &Robot) -> Option<String> {
-        let id = &self.robot;
-        let presence = quantity::presence(robot);
-        match robot.state {
-            State::Never => {
-                return Some(format!(
-                    "it was never seen; start its agent: umwelt-agent --robot {id} --drive pipe"
-                ));
-            }
-            State::Lost => return Some(format!("it is {presence}; see the log of its agent")),
-            State::Failed => return Some(format!("it is {presence}; see the log of the server")),
-            State::Connected => {}
-        }
-        if robot.stopped {
-            return Some(format!("it is stopped; umwelt resume {id} lets it go"));
-        }
-        if robot.held {
-            return Some("it is held by itself; let it go where it says hold".to_owned());
-        }
-        let under_way = robot.task.as_ref().filter(|task| {
-            !matches!(task.stage, Stage::Idle | Stage::Arrived) && !self.replace_task
-        });
-        under_way.map(|task| {
-            let doing = quantity::short_progress(task);
-            format!("it has a task under way ({doing}); --replace-task gives that up")
-        })
     }
 }
 
@@ -176,49 +148,15 @@ async fn follow(client: &Client, task: &Task, duration: f64) -> Result<Report, F
     }
 }
 
-async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> {
+pub(super) async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> {
     let (task, robot) = tokio::join!(client.get_task(robot), client.get_robot(robot));
     Ok((task?, robot?))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::ready::tests::robot;
     use super::*;
-
-    fn robot(more: serde_json::Value) -> Robot {
-        let mut robot = json!({"robot": "a", "spec": {}, "state": "connected", "last_seen_s_ago": 0.1,
-            "stopped": false, "pose": null, "task": null, "epoch": 4, "loop_delay_median_s": null, "etag": "x"});
-        for (name, value) in more.as_object().unwrap() {
-            robot[name] = value.clone();
-        }
-        serde_json::from_value(robot).unwrap()
-    }
-
-    fn refusal(more: serde_json::Value, replace_task: bool) -> Option<String> {
-        Check { robot: "a".parse().unwrap(), replace_task }.refusal(&robot(more))
-    }
-
-    #[test]
-    fn a_robot_that_is_not_to_move_is_refused_with_a_remedy() {
-        assert_eq!(refusal(json!({}), false), None);
-        for (more, remedy) in [
-            (json!({"state": "never"}), "start its agent"),
-            (json!({"state": "lost"}), "log of its agent"),
-            (json!({"state": "failed"}), "log of the server"),
-            (json!({"stopped": true}), "umwelt resume a"),
-            (json!({"held": true}), "let it go"),
-        ] {
-            let said = refusal(more.clone(), true).unwrap_or_default();
-            assert!(said.contains(remedy), "{more}: {said}");
-        }
-        let task = |stage: &str| {
-            json!({"task": {"stage": stage, "leg": 0, "legs": 1, "deviation_m": 0.0,
-                "max_deviation_m": 0.0, "elapsed_s": 0.0}})
-        };
-        assert!(refusal(task("driving"), false).is_some_and(|it| it.contains("--replace-task")));
-        assert_eq!(refusal(task("driving"), true), None);
-        assert_eq!(refusal(task("arrived"), false), None);
-    }
 
     #[test]
     fn the_room_is_said_before_the_robot_moves() {

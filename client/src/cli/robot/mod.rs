@@ -1,7 +1,10 @@
 //! `umwelt robot`.
 
+mod accept;
+mod calibrate;
 mod check;
 mod description;
+mod ready;
 
 use super::failure::Failure;
 use super::input;
@@ -45,6 +48,9 @@ pub(super) enum Command {
     /// Find what is wrong with a robot or its tracker: it wiggles for some 20 s
     #[command(after_help = check::HELP)]
     Check(check::Check),
+    /// Find what of its wheels and track is not as described: it drives a square both ways (UMBmark)
+    #[command(after_help = calibrate::HELP)]
+    Calibrate(calibrate::Calibrate),
     /// Remove a robot with its task and what was learned; if it still drives, it ramps to rest
     Remove {
         /// The robot
@@ -123,6 +129,7 @@ impl Command {
             }
             Self::Show { robot } => output.result(&wait(client.get_robot(&robot)).await?, show),
             Self::Check(check) => check.run(client, output).await,
+            Self::Calibrate(calibrate) => calibrate.run(client, output).await,
             Self::Remove { robot } => {
                 wait(client.delete_robot(&robot)).await?;
                 let answer = json!({ "robot": robot, "removed": true });

@@ -8,6 +8,7 @@ use super::input;
 use super::output::Output;
 use super::progress::{StatusLine, wait};
 use super::quantity::{self, metres, millimetres};
+use super::square_report;
 use super::table::{Column, Table};
 pub(super) use assign::assign;
 use clap::{Args, Subcommand};
@@ -312,6 +313,11 @@ fn accepted(task: &Task) -> String {
     if task.spec.check.is_some() {
         return format!("{}: a check", task.robot);
     }
+    if let Some(square) = &task.spec.square {
+        let runs =
+            if square.runs == 1 { "once".to_owned() } else { format!("{} times", square.runs) };
+        return format!("{}: a square, {runs} each way", task.robot);
+    }
     let calibration = match &task.spec.calibration {
         None => "no calibration".to_owned(),
         Some(Calibration { rotations, straight_m, .. }) => {
@@ -328,6 +334,11 @@ fn show(task: &Task) -> String {
     if spec.check.is_some() {
         let report = task.check.as_ref();
         let report = report.map_or_else(String::new, |report| check_report::text(robot, report));
+        return format!("{}, {}\n{report}", accepted(task), quantity::progress(progress));
+    }
+    if spec.square.is_some() {
+        let report = task.square.as_ref();
+        let report = report.map_or_else(String::new, |report| square_report::text(robot, report));
         return format!("{}, {}\n{report}", accepted(task), quantity::progress(progress));
     }
     let within =

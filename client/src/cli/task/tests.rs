@@ -24,7 +24,14 @@ fn task(stage: Stage, leg: usize) -> Task {
         watch: None,
     };
     let spec = spec("--waypoint 0.2,0 --waypoint 0,-0.1 --calibrate --tolerance 0.01").unwrap();
-    Task { robot: "a".parse().unwrap(), spec, progress, etag: "\"1\"".to_owned(), check: None }
+    Task {
+        robot: "a".parse().unwrap(),
+        spec,
+        progress,
+        etag: "\"1\"".to_owned(),
+        check: None,
+        square: None,
+    }
 }
 
 #[test]

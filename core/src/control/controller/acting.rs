@@ -60,17 +60,15 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let is_same =
             (late(&drive) - late(&acting)).abs() < sum && (drive.lag - acting.lag).abs() < lag;
         let drive = if is_same { acting } else { drive };
-        if self.settings.method == Method::Adaptive {
-            scaled(&drive, &follows.belief)
-        } else {
-            drive
-        }
+        self.scaled_belief().map_or(drive, |belief| scaled(&drive, belief))
     }
 
-    /// What is believed of how the drive differs from its description; none where that is not asked.
+    /// What is believed of how the drive differs from its description, where commands are corrected by that. A square is
+    /// driven as described: it shows what the description is worth.
     pub(super) fn scaled_belief(&self) -> Option<&DriveBelief> {
-        let follows = self.follows.as_ref().filter(|_| self.settings.method == Method::Adaptive)?;
-        Some(&follows.belief)
+        let is_square = self.task.as_ref().is_some_and(|task| task.square.is_some());
+        let is_corrected = self.settings.method == Method::Adaptive && !is_square;
+        Some(&*self.follows.as_ref().filter(|_| is_corrected)?.belief)
     }
 
     /// The drive as described, as late as it is identified: what commands as described are reckoned with.

@@ -17,6 +17,7 @@ mod plan;
 mod planning;
 mod record;
 mod saved;
+mod squaring;
 mod watching;
 
 use crate::check::{Report, Trace};
@@ -27,6 +28,7 @@ use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Estimates;
 use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
 use crate::settings::Settings;
+use crate::square;
 use crate::task::{Limit, Progress, Task};
 use crate::time::RobotTime;
 use crate::watch::Watch;
@@ -118,6 +120,10 @@ pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     trace: Option<Box<Trace>>,
     /// What the last check came to.
     report: Option<Arc<Report>>,
+    /// What was seen so far of a robot that drives a square.
+    runs: Option<Box<square::Runs>>,
+    /// What the last square came to.
+    square_report: Option<Arc<square::Report>>,
 }
 
 impl Controller {
@@ -154,6 +160,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             heard: Heard::default(),
             trace: None,
             report: None,
+            runs: None,
+            square_report: None,
         }
     }
 
@@ -182,8 +190,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if self.is_checking() {
             self.check(request, events);
         } else {
+            self.heed_interruption();
             for observation in &request.observations {
+                let last = self.track.map(|track| track.last.taken);
                 self.observe(*observation, events, observer);
+                self.follow_square(last, observation, events);
             }
         }
         self.watch_age(request.sent, events);
@@ -246,6 +257,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if change != Change::None {
             self.phase = self.phase.resumed();
             self.phases.clear();
+            self.run_anew();
         }
         if self.heard.was_away(request.sent, RobotTime::NEVER) {
             self.pause_watch();
@@ -270,11 +282,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// How far the task has got.
     pub fn progress(&self) -> Progress {
         let legs = self.task.as_ref().map_or(0, |task| task.waypoints.len());
-        let stage = self.phase.stage();
+        let progress = self.record.progress(self.phase.stage(), legs);
         Progress {
             limited_by: self.limit,
             watch: self.watch.state().map(|(alarm, _)| alarm.condition()),
-            ..self.record.progress(stage, legs)
+            ..self.runs_driven(progress)
         }
     }
 

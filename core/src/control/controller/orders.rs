@@ -18,22 +18,26 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     pub fn set_task(&mut self, task: Task) {
         self.phase = Phase::first(&task);
         (self.trace, self.report) = (Self::trace_of(&self.settings, Some(&task)), None);
+        (self.runs, self.square_report) = (Self::runs_of(&self.settings, Some(&task)), None);
         self.phases.clear();
         self.record = Record::default();
         self.watch.resume();
         self.limit = None;
         self.task = Some(task);
+        self.act();
     }
 
     /// Drops the task; the robot ramps to rest.
     pub fn cancel_task(&mut self) {
         self.task = None;
         (self.trace, self.report) = (None, None);
+        (self.runs, self.square_report) = (None, None);
         self.phase = Phase::Idle;
         self.phases.clear();
         self.record = Record::default();
         self.watch.resume();
         self.limit = None;
+        self.act();
     }
 
     /// Rest until [`Controller::resume`]; the task is kept.
@@ -76,6 +80,10 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.forget_gathered();
         self.teaches_from = Some(RobotTime::BEFORE_ALL);
         self.check_anew();
+        if let Some(runs) = &mut self.runs {
+            runs.restart_clock();
+        }
+        self.run_anew();
         (self.healthy, self.healthy_at, self.limit) = (None, None, None);
     }
 
@@ -116,6 +124,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.trace = Self::trace_of(&self.settings, self.task.as_ref());
         }
         self.check_anew();
+        self.square_anew();
         self.limit = None;
         self.phases.clear();
     }

@@ -6,6 +6,7 @@ use umwelt_api::RobotId;
 use umwelt_api::event::Kind;
 use umwelt_api::robot::State;
 use umwelt_core::check::Report;
+use umwelt_core::square;
 
 /// Says what happened to a robot by itself.
 pub(super) fn change(robot: &RobotId, kind: &Kind) {
@@ -40,6 +41,21 @@ pub(super) fn checked(robot: &RobotId, report: &Report) {
     for finding in &report.findings {
         let (fault, seen, remedy) = (finding.fault().name(), finding.seen(), finding.remedy());
         tracing::warn!(%robot, fault, seen, remedy, "robot checked: something is wrong");
+    }
+}
+
+/// Says what a square of the robot came to.
+pub(super) fn calibrated(robot: &RobotId, report: &square::Report) {
+    match &report.systematic {
+        Some(found) => {
+            let (figure_m, track_width_m) = (found.figure, found.track_width);
+            let (wheel_ratio, length_ratio) = (found.wheel_ratio, found.length_ratio);
+            tracing::info!(%robot, figure_m, track_width_m, wheel_ratio, length_ratio, "robot drove its square");
+        }
+        None => {
+            let (ending, runs) = (report.ending, report.returns.len());
+            tracing::warn!(%robot, ?ending, runs, "the robot's square came to no figure");
+        }
     }
 }
 

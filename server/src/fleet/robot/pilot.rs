@@ -300,6 +300,11 @@ impl Pilot {
             log::checked(&self.id, report);
         }
         shown.report = report.cloned();
+        let square = self.controller.square_report();
+        if let Some(square) = square.filter(|_| shown.square.is_none()) {
+            log::calibrated(&self.id, square);
+        }
+        shown.square = square.cloned();
         shown.watch(self.controller.watch_state());
         shown.stopped = self.controller.is_stopped();
         shown.limits = self.controller.local_limits();

@@ -12,6 +12,7 @@ use umwelt_api::environment::{self, Environment};
 use umwelt_api::prior::Source;
 use umwelt_api::robot::{Description, Pose, Robot, Spec, State};
 use umwelt_api::robot_check;
+use umwelt_api::square;
 use umwelt_api::step::TaggedDrive;
 use umwelt_api::task;
 use umwelt_api::watch::Watch;
@@ -20,6 +21,7 @@ use umwelt_core::controller::{Controller, MOST_CORRECTED, Saved};
 use umwelt_core::exchange::Observation;
 use umwelt_core::local::LocalLimits;
 use umwelt_core::settings::{Method, Settings};
+use umwelt_core::square::Report as SquareReport;
 use umwelt_core::task::{Progress, Task};
 use umwelt_core::watch::Alarm;
 
@@ -94,6 +96,8 @@ pub(crate) struct Snapshot {
     pub(super) state: State,
     /// What the last check came to.
     pub(super) report: Option<Arc<Report>>,
+    /// What the last square came to.
+    pub(super) square: Option<Arc<SquareReport>>,
     /// When the last step came.
     pub(super) seen: Option<Instant>,
     pub(super) stopped: bool,
@@ -128,6 +132,7 @@ impl Snapshot {
             assigned: task,
             progress: controller.progress(),
             report: controller.report().cloned(),
+            square: controller.square_report().cloned(),
             state: State::Never,
             seen: None,
             stopped: controller.is_stopped(),
@@ -313,6 +318,7 @@ impl Snapshot {
             progress: self.progress.into(),
             etag: assigned.etag.to_string(),
             check: self.report.as_deref().map(robot_check::Report::from),
+            square: self.square.as_deref().map(square::Report::from),
         })
     }
 

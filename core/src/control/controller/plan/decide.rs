@@ -32,6 +32,7 @@ impl<F: PathFollower> Roll<'_, F> {
             let desired = match before {
                 Phase::Idle | Phase::Settling | Phase::Arrived => Some(Twist::ZERO),
                 Phase::Checking { part, since } => self.wiggle(task, part, since),
+                Phase::Squaring { run, part, at, done } => self.square(task, (run, part), at, done),
                 Phase::Calibrating { turn, since } => self.rotate(task, turn, since),
                 Phase::Straight { outbound, origin, since } => {
                     self.straight(task, outbound, origin, since)

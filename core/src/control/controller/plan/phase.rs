@@ -19,6 +19,8 @@ pub enum Phase {
     Idle,
     /// At this part of a check's wiggle, since `since`: of a rest, since zero is commanded.
     Checking { part: u32, since: Option<RobotTime> },
+    /// At this part of this run of a square, of which so much was `done` at `at`: s of a rest, m of a side, rad of a turn.
+    Squaring { run: u32, part: u32, at: Option<RobotTime>, done: f64 },
     /// Rotating and stopping for the `turn`th time, since `since`.
     Calibrating { turn: u32, since: Option<RobotTime> },
     /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
@@ -40,10 +42,21 @@ impl Phase {
     pub fn first(task: &Task) -> Self {
         match task.calibration {
             _ if task.check.is_some() => Self::Checking { part: 0, since: None },
+            _ if task.square.is_some() => Self::run_of_square(0),
             _ if task.waypoints.is_empty() => Self::Idle,
             Some(_) => Self::Calibrating { turn: 0, since: None },
             None => Self::Settling,
         }
+    }
+
+    /// The beginning of a run of a square.
+    pub fn run_of_square(run: u32) -> Self {
+        Self::Squaring { run, part: 0, at: None, done: 0.0 }
+    }
+
+    /// Whether the motion is open loop: how sure the pose is does not matter to it.
+    pub fn is_open_loop(self) -> bool {
+        matches!(self, Self::Checking { .. } | Self::Squaring { .. })
     }
 
     /// The waypoint that the robot is heading for, once its calibration is over.
@@ -63,6 +76,7 @@ impl Phase {
             Self::Stopping { leg, .. } => Self::Stopping { leg, since: None },
             // Its parts mean nothing without those before them.
             Self::Checking { .. } => Self::Checking { part: 0, since: None },
+            Self::Squaring { run, .. } => Self::run_of_square(run),
             Self::Calibrating { turn, .. } => Self::Calibrating { turn, since: None },
             Self::Straight { outbound, origin, .. } => {
                 Self::Straight { outbound, origin, since: None }
@@ -75,9 +89,10 @@ impl Phase {
     pub fn stage(self) -> Stage {
         match self {
             Self::Idle => Stage::Idle,
-            Self::Checking { .. } | Self::Calibrating { .. } | Self::Straight { .. } => {
-                Stage::Calibrating
-            }
+            Self::Checking { .. }
+            | Self::Squaring { .. }
+            | Self::Calibrating { .. }
+            | Self::Straight { .. } => Stage::Calibrating,
             Self::Turning { .. } => Stage::Turning,
             Self::Driving { .. } => Stage::Driving,
             Self::Settling | Self::Stopping { .. } => Stage::Stopping,

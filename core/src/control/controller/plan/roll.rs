@@ -106,8 +106,7 @@ impl<F: PathFollower> Roll<'_, F> {
         if is_slower(full, desired) && self.limit.is_some() {
             self.limit = Some(Limit::Acceleration);
         }
-        // A check is open loop: how sure the pose is does not matter to it.
-        let is_open = matches!(self.state.phase, Phase::Checking { .. });
+        let is_open = self.state.phase.is_open_loop();
         if full == Twist::ZERO || is_open || self.is_sure() {
             return fastest;
         }

@@ -61,8 +61,9 @@ impl Saved {
         let legs = task.waypoints.len();
         let reached = self.record.progress(Stage::Idle, legs).leg;
         let is_phase_of = match self.phase {
-            Phase::Idle => legs == 0 && task.check.is_none(),
+            Phase::Idle => legs == 0 && task.check.is_none() && task.square.is_none(),
             Phase::Checking { .. } => task.check.is_some(),
+            Phase::Squaring { .. } => task.square.is_some(),
             Phase::Calibrating { .. } | Phase::Straight { .. } => task.calibration.is_some(),
             Phase::Settling => true,
             Phase::Turning { leg, .. } | Phase::Driving { leg } | Phase::Stopping { leg, .. } => {
@@ -86,7 +87,7 @@ impl Controller {
 
     /// A controller that goes on where another one was when `saved` was taken, the robot's clock counting anew as
     /// in [`Controller::restart_clock`]. A calibration that was over is not repeated, a leg that was begun is taken
-    /// up again with a turn toward its waypoint, a check begins anew. The time elapsed counts on from where it stood: the robot rested
+    /// up again with a turn toward its waypoint, a check or a square begins anew. The time elapsed counts on from where it stood: the robot rested
     /// meanwhile, and for how long its new clock does not say.
     ///
     /// None where `saved` was taken under other settings or another task.
@@ -102,8 +103,23 @@ impl Controller {
             let trace = matches!(phase, Phase::Checking { .. })
                 .then(|| Self::trace_of(&settings, task.as_ref()))
                 .flatten();
-            let mut restored =
-                Self { belief, phase, record, watch, task, stopped, trace, ..Self::new(settings) };
+            let (mut runs, mut phase) = (None, phase);
+            if matches!(phase, Phase::Squaring { .. }) {
+                // The runs before are not kept.
+                phase = Phase::run_of_square(0);
+                runs = Self::runs_of(&settings, task.as_ref());
+            }
+            let mut restored = Self {
+                belief,
+                phase,
+                record,
+                watch,
+                task,
+                stopped,
+                trace,
+                runs,
+                ..Self::new(settings)
+            };
             if let (Some(follows), Some(belief)) = (&mut restored.follows, drive) {
                 *follows = Follows::of(belief);
             }

@@ -5,6 +5,7 @@ use crate::geometry::{Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::kinematics;
 use crate::settings::{Method, Prior};
+use crate::task::Square;
 use crate::time::RobotTime;
 
 /// Slots from a pose being taken to the request that carries it.
@@ -215,4 +216,26 @@ fn a_check_begins_anew() {
     let events = robot.until(&mut restored, |controller| controller.has_arrived());
     assert_eq!(events, [Event::Arrived]);
     assert!(restored.report().is_some_and(|report| report.numbers.span > 20.0));
+}
+
+/// A square begins anew after a restart, with its first run; nothing of it is another task's.
+#[test]
+fn a_square_begins_anew() {
+    let (settings, square) = (Settings::default(), Square { side: Some(0.2), ..Square::default() });
+    let square = Task::squaring(square);
+    let mut controller = Controller::new(settings);
+    controller.set_task(square.clone());
+    let mut robot = Robot::new();
+    robot.until(&mut controller, |controller| controller.progress().leg == 1);
+    let saved: Saved =
+        serde_json::from_str(&serde_json::to_string(&controller.saved()).unwrap()).unwrap();
+    assert!(!saved.fits(&settings, Some(&Task::thesis())) && !saved.fits(&settings, None));
+    assert!(!saved.fits(&settings, Some(&Task::checking(Default::default()))));
+    assert!(!begun().saved().fits(&settings, Some(&square)));
+    let mut restored = Controller::restore(settings, Some(square), false, saved).unwrap();
+    assert_eq!((restored.progress().leg, restored.progress().legs), (0, 2));
+    let mut robot = robot.restarted();
+    let events = robot.until(&mut restored, |controller| controller.has_arrived());
+    assert_eq!(events, [Event::Arrived]);
+    assert!(restored.square_report().is_some_and(|report| report.returns.len() == 2));
 }
