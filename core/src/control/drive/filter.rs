@@ -8,8 +8,8 @@ use nalgebra::{SMatrix, SVector};
 /// ln 2 pi.
 const LN_TWO_PI: f64 = 1.837_877_066_409_345_5;
 
-/// A level of slip less likely than this is left out.
-const UNLIKELY: f64 = 1e-9;
+/// A level of slip less likely than this is left out; that next to a likely one is not.
+const UNLIKELY: f64 = 0.01;
 
 /// What a hypothesis comes to along one coordinate, over all levels of slip.
 #[derive(Clone, Copy, Debug)]

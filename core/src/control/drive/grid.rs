@@ -17,7 +17,7 @@ pub const PRIOR_SPREAD: f64 = 0.55;
 pub const LONGEST: f64 = 0.6;
 
 /// A weight below this is none: the hypothesis is given up.
-const GIVEN_UP: f64 = 1e-12;
+const GIVEN_UP: f64 = 1e-8;
 
 /// The sum in s, to 0.3 ms at the finest.
 const SUMS: Axis = Axis::new(41, LONGEST, 3e-4);

@@ -54,7 +54,7 @@ const NOISIER: f64 = 2.0;
 /// How often a stretch is judged at most, each time by hypotheses that lie finer or farther.
 const ROUNDS: u32 = 5;
 
-/// Chance that the spread of the slip is another one in the next stretch.
+/// Chance that the spread of the slip is the next larger one in the next stretch, or the next smaller.
 const OTHER_FLOOR: f64 = 0.02;
 
 /// What is believed of a drive.

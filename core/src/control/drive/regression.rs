@@ -64,10 +64,13 @@ impl<const P: usize> Regression<P> {
         Normal { mean: self.mean[index], variance: self.covariance[(index, index)] + by_delay }
     }
 
-    /// The level is another one with this `chance`.
+    /// The level becomes the next one, either way, with this `chance`.
     pub fn mix(&mut self, chance: f64) {
-        for level in &mut self.levels {
-            *level += chance * (1.0 / LEVELS.len() as f64 - *level);
+        let before = self.levels;
+        let last = before.len() - 1;
+        for (at, level) in self.levels.iter_mut().enumerate() {
+            let next = before[at.saturating_sub(1)] + before[(at + 1).min(last)];
+            *level += chance * (next - 2.0 * before[at]);
         }
     }
 
