@@ -156,3 +156,21 @@ fn an_accepted_scale_is_described_from_then_on() {
     let turn = (1.0 + before.scale[1].together.mean) / accepted - 1.0;
     assert!((after.scale[1].together.mean - turn).abs() < 1e-9);
 }
+
+/// Guards against: other wheels are mounted and described, and what was known of the old ones drives the robot at twice its
+/// speed.
+#[test]
+fn what_is_known_of_wheels_goes_with_them() {
+    let scenario = scenario(Drive::default());
+    let (_, mut controller) = scenario.run_with(1, |_| {}).unwrap();
+    let before = controller.drive_estimate().unwrap();
+    let drive = Drive { wheel_radius: 0.06, ..scenario.settings.drive };
+    controller.replace_settings(Settings { drive, ..scenario.settings });
+    let after = controller.drive_estimate().unwrap();
+    assert_eq!((after.scale[0].together.mean, after.sum), (0.0, before.sum));
+    assert!(after.scale[0].together.sd > 0.1);
+    // The largest speed alone is another matter.
+    let drive = Drive { max_linear: 0.1, ..drive };
+    controller.replace_settings(Settings { drive, ..scenario.settings });
+    assert_eq!(controller.drive_estimate().unwrap(), after);
+}

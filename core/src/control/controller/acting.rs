@@ -22,6 +22,12 @@ const OTHER_DRIVE: f64 = 0.015;
 /// more is to be described anew.
 pub const MOST_CORRECTED: f64 = 1.5;
 
+/// Factor by which a robot's wheels or track may be off at most: what seems to be more is something else.
+const MOST_SCALED: f64 = 3.0;
+
+/// The same for the difference of the wheels, as a part of their mean.
+const MOST_UNEQUAL: f64 = 0.3;
+
 /// Standard deviations above the mean that are exceeded once in a hundred times.
 const SURELY: f64 = 2.326;
 
@@ -82,13 +88,18 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 /// are told: as long as the scale is not known well they are divided by how much larger it may be.
 fn scaled(drive: &Drive, belief: &DriveBelief) -> Drive {
     let (Scale { forward, turn, drift }, sd) = (belief.scale(), belief.scale_sd());
-    let (forward, turn) = (1.0 + forward, 1.0 + turn);
-    let larger = |factor: f64, sd: f64| 1.0 + SURELY * sd / factor;
+    let bounded = |scale: f64| (1.0 + scale).clamp(MOST_SCALED.recip(), MOST_SCALED);
+    let (forward, turn) = (bounded(forward), bounded(turn));
+    let larger = |factor: f64, sd: f64| 1.0 + SURELY * sd.max(0.0) / factor;
     let track_width = drive.track_width * forward / turn;
+    let unequal = (drift * track_width / forward).clamp(-MOST_UNEQUAL, MOST_UNEQUAL);
+    if !(forward.is_finite() && turn.is_finite() && unequal.is_finite()) {
+        return *drive;
+    }
     Drive {
         wheel_radius: drive.wheel_radius * forward,
         track_width,
-        unequal: drive.unequal + drift * track_width / forward,
+        unequal: drive.unequal + unequal,
         max_linear: drive.max_linear
             * (MOST_CORRECTED * forward).min(larger(forward, sd.forward).recip()),
         max_angular: drive.max_angular * (MOST_CORRECTED * turn).min(larger(turn, sd.turn).recip()),

@@ -2,9 +2,13 @@
 
 use crate::drive::{DriveBelief, Stretch};
 use crate::kinematics::Drive;
+use crate::prediction::Scale;
 use crate::settings::{Method, Settings};
 use crate::time::RobotTime;
 use std::sync::Arc;
+
+/// A new description that differs from what is identified by less than this part is that; another one is of other wheels.
+const ACCEPTED: f64 = 0.05;
 
 /// What is believed of how late the drive follows, and what is gathered to teach more.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +41,15 @@ impl Follows {
         now: &Settings,
     ) -> Option<Self> {
         let this = this.filter(|_| asks(before) == asks(now))?;
-        let belief = Arc::unwrap_or_clone(this.belief);
-        Some(Self::of(Arc::new(belief.described_anew(&before.drive, &now.drive))))
+        let shape = |it: &Settings| (it.drive.wheel_radius, it.drive.track_width);
+        if shape(before) == shape(now) {
+            return Some(this);
+        }
+        let belief = Arc::unwrap_or_clone(this.belief).described_anew(&before.drive, &now.drive);
+        let Scale { forward, turn, .. } = belief.scale();
+        let is_accepted = forward.abs() < ACCEPTED && turn.abs() < ACCEPTED;
+        let track = now.drive.track_width;
+        Some(Self::of(Arc::new(if is_accepted { belief } else { belief.with_other_wheels(track) })))
     }
 
     /// What is believed already.

@@ -90,6 +90,12 @@ impl DriveBelief {
         Self::with(Grid::near(sum.max(0.0)), track_width)
     }
 
+    /// The same motors with other wheels, this track in m apart: how late they follow stays.
+    pub fn with_other_wheels(self, track_width: f64) -> Self {
+        let Self { stretches, not_understood, .. } = self;
+        Self { stretches, not_understood, ..Self::with(self.grid, track_width) }
+    }
+
     fn with(grid: Grid, track_width: f64) -> Self {
         let scale = Parts::new(SCALE_SPREAD.0, SCALE_SPREAD.1);
         let drift = Parts::new(DRIFT_SPREAD.0 / track_width, DRIFT_SPREAD.1 / track_width);
