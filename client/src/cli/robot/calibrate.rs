@@ -119,7 +119,8 @@ fn announcement(robot: &Robot, square: &Square) -> String {
     let beside = BESIDE * side + spec.drive.track_width_m;
     let times = if square.runs == 1 { "once" } else { &format!("{} times", square.runs) };
     let minutes = (square.duration_s(&spec.drive) / 60.0).ceil();
-    let up = |room: f64| (10.0 * room).ceil() / 10.0;
+    // What rounding of sums has added is no decimetre.
+    let up = |room: f64| (10.0 * room - 1e-6).ceil() / 10.0;
     format!(
         "{id} drives a square of {} to its left and to its right, {times} each, for some {minutes:.0} min in all.\nKeep {:.1} m \
          ahead of it and to either side, and {:.1} m behind it, free and in sight of the tracker. Ctrl-C brings it to rest.",
