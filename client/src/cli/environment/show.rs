@@ -39,7 +39,7 @@ pub(super) fn show(robot: &RobotId, environment: &Environment) -> String {
         table.row(row(name, unit, channel));
     }
     // Writing to a String cannot fail.
-    let _ = write!(text, "{table}\n");
+    let _ = writeln!(text, "{table}");
     if let Some(it) = &environment.drive {
         let _ = writeln!(text, "{}", drive(it, &level));
         if let Some(it) = it.scale.filter(|_| it.stretches > 0) {

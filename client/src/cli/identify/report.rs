@@ -6,7 +6,7 @@ use std::fmt::Write;
 use umwelt_core::drive::{self, Comparison, ErrorsAhead, Identified, LONGEST, Recording};
 
 /// An interval of the delay wider than this in s is wide: control wants to know it to some 10 ms.
-const WIDE: f64 = 0.03;
+const WIDE: f64 = 0.02;
 
 /// A delay that ends nearer than this in s to what is looked for at all is at that end.
 const AT_END: f64 = 0.01;

@@ -207,6 +207,9 @@ impl DriveBelief {
 
     /// The same belief on another floor: what the robot has shown on those before stays, as far as it was told from them.
     pub fn on_another_floor(mut self) -> Self {
+        if self.stretches == 0 {
+            return self;
+        }
         for (part, sum) in
             self.parts.iter_mut().zip([self.forward.of(0), self.turn.of(0), self.turn.of(1)])
         {
