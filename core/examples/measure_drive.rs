@@ -2,6 +2,8 @@
 //! in open loop, and prints how far the estimates lie off and how often the intervals hold the truth. A robot of a known
 //! floor rotates three times; one whose floor and scale are drawn as well has a whole calibration.
 
+#![allow(clippy::print_stdout, reason = "an example prints")]
+
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
