@@ -107,11 +107,11 @@ fn drive(drive: &Drive, level: &str) -> String {
 /// Wheels and track with which it moves as it does, and what of that is the floor's.
 fn wheels(scale: &Scale) -> String {
     let metres = |it: &Estimate| match (it.mean, it.sd) {
-        (Some(mean), Some(sd)) => format!("{mean:.4} +- {sd:.4} m"),
+        (Some(mean), Some(sd)) => format!("{mean:.5} +- {sd:.5} m"),
         _ => UNKNOWN.to_owned(),
     };
     let ratio = |it: &Estimate| match (it.mean, it.sd) {
-        (Some(mean), Some(sd)) => format!("{:+.1} +- {:.1} %", 1e2 * mean, 1e2 * sd),
+        (Some(mean), Some(sd)) => format!("{:+.2} +- {:.2} %", 1e2 * mean, 1e2 * sd),
         _ => UNKNOWN.to_owned(),
     };
     let (radius, track) = (metres(&scale.wheel_radius_m), metres(&scale.track_width_m));
@@ -278,8 +278,8 @@ turn              rad/rad  -0.0520  0.0310  -0.0600 .. -0.0440  -0.1030 .. -0.00
 drift (not used)  rad/m     0.0000       -                   -                   -        0    0.0          0.0  estimating, 0 %
 
 drive    follows a command in 142 ms (lag 110 ms, dead time 32 ms), with 90 % within 139 ms .. 146 ms; estimated from 8 stretches of motion, 1 more not understood
-wheels   moves as with a wheel radius of 0.0210 +- 0.0002 m, described 0.03; a track of 0.1030 +- 0.0010 m, described 0.1; the right wheel larger by +2.0 +- 0.1 %; commands are corrected
-         forward -30.0 +- 0.2 % in all: robot -20.0 +- 6.0 %, floor -10.0 +- 6.0 %; they part on another floor, which a reset begins
+wheels   moves as with a wheel radius of 0.02100 +- 0.00020 m, described 0.03; a track of 0.10300 +- 0.00100 m, described 0.1; the right wheel larger by +2.00 +- 0.10 %; commands are corrected
+         forward -30.00 +- 0.20 % in all: robot -20.00 +- 6.00 %, floor -10.00 +- 6.00 %; they part on another floor, which a reset begins
 link     loop delay: median 212 ms, 99 % of those not late within 480 ms (estimated)
 late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 % (estimating, 20 %)
 note     no late packet in 12 deliveries says little yet
