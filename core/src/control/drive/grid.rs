@@ -25,8 +25,11 @@ const SUMS: Axis = Axis::new(41, LONGEST, 3e-4);
 /// The part of it that is lag.
 const SHARES: Axis = Axis::new(13, 1.0, 0.01);
 
-/// The sum in s is at least this to its prior: a robot that follows at once is unlikely, not impossible.
+/// The sum in s is at least this to its prior.
 const LEAST: f64 = 0.004;
+
+/// Of so many robots the prior knows nothing: one that follows at once is unlikely, not impossible.
+const ANY: f64 = 0.01;
 
 /// Standard deviation of the sum in s where it is about known.
 const ABOUT: f64 = 0.02;
@@ -80,6 +83,9 @@ impl Grid {
             let z = (sum / PRIOR_MEDIAN).ln() / PRIOR_SPREAD;
             prior.weights[index] = (-0.5 * z * z).exp() / sum;
         }
+        prior.normalise();
+        let any = ANY / prior.weights.len() as f64;
+        prior.weights.iter_mut().for_each(|weight| *weight += any * (1.0 - *weight));
         prior.normalise();
         prior
     }
