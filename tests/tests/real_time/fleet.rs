@@ -4,11 +4,13 @@ use crate::{ARRIVAL, give, passed, straight_to};
 use umwelt_api::RobotId;
 use umwelt_api::robot::State;
 use umwelt_api::task::Stage;
+use umwelt_core::derived::complete;
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::Pose;
+use umwelt_core::kinematics::Drive;
 use umwelt_core::link::LinkModel;
-use umwelt_core::plant::PlantModel;
-use umwelt_core::settings::Settings;
+use umwelt_core::plant::{Lateness, PlantModel};
+use umwelt_core::settings::{PoseNoise, Settings};
 use umwelt_tests::proxy::Proxy;
 use umwelt_tests::rover::{Agent, Simulated};
 use umwelt_tests::server::{self, Server};
@@ -17,11 +19,15 @@ use umwelt_tests::wait;
 /// Where the task ends, in m.
 const GOAL: f64 = 0.4;
 
-/// Time in s of the task in simulated time, alone over a clean link.
-fn alone() -> f64 {
+/// Time in s of the task in simulated time, alone over a clean link, of the robot of this seed.
+fn alone(seed: u64) -> f64 {
+    let known = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
+    let settings = complete(known, |_| false);
+    let Lateness { lag, dead_time } = Lateness::drawn(seed);
+    let drive = Drive { lag, dead_time, ..settings.drive };
     let scenario = Scenario {
-        settings: Settings::default(),
-        plant: PlantModel::default(),
+        settings,
+        plant: PlantModel { drive, noise: PoseNoise::CAMERA, ..PlantModel::default() },
         link: LinkModel::preset("clean").unwrap(),
         task: straight_to(GOAL),
         start: Pose::default(),
@@ -54,10 +60,10 @@ async fn one_dead_link_among_ten_robots_disturbs_no_other() {
     for seed in 1..10 {
         let robot = give(&server.client, &format!("other-{seed}"), &straight_to(GOAL)).await;
         let agent = start(&server.url(), &robot, seed);
-        others.push((robot, agent));
+        others.push((robot, agent, alone(seed)));
     }
-    let alone = alone();
-    for (robot, agent) in &mut others {
+    for (robot, agent, alone) in &mut others {
+        let alone = *alone;
         let time = elapsed(&server, robot, agent).await;
         println!("{robot}: {time:.2} s, alone {alone:.2} s");
         assert!((0.85..1.15).contains(&(time / alone)), "{robot}: {time} s, alone {alone} s");
