@@ -238,14 +238,19 @@ pub fn follow(
     if duration <= 0.0 {
         return (current, current);
     }
-    let share = duration / lag;
-    let decay = exp(-share);
-    let mean = (1.0 - decay) / share;
+    let (decay, mean) = left_over(lag, duration);
     let (left, right) = (current.left - command.left, current.right - command.right);
     (
         WheelSpeeds { left: command.left + left * decay, right: command.right + right * decay },
         WheelSpeeds { left: command.left + left * mean, right: command.right + right * mean },
     )
+}
+
+/// What a first-order lag leaves of a difference after `duration` s: at the end, and on average. Both are positive.
+pub fn left_over(lag: f64, duration: f64) -> (f64, f64) {
+    let share = duration / lag;
+    let decay = exp(-share);
+    (decay, (1.0 - decay) / share)
 }
 
 /// How the robot gets from wheel speeds `current` toward `command` in `duration` s with its own lag: its wheel speeds at

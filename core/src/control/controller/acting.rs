@@ -60,7 +60,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     fn identified_drive(&self, acting: &Drive) -> Drive {
         let described = self.settings.drive;
         let Some(follows) = &self.follows else { return described };
-        let drive = follows.belief.late(&described);
+        let drive = follows.late(&described);
         let acting = Drive { lag: acting.lag, dead_time: acting.dead_time, ..described };
         let (sum, lag) = SAME_DRIVE;
         let is_same =
@@ -74,13 +74,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     pub(super) fn scaled_belief(&self) -> Option<&DriveBelief> {
         let is_square = self.task.as_ref().is_some_and(|task| task.square.is_some());
         let is_corrected = self.settings.method == Method::Adaptive && !is_square;
-        Some(&*self.follows.as_ref().filter(|_| is_corrected)?.belief)
-    }
-
-    /// The drive as described, as late as it is identified: what commands as described are reckoned with.
-    pub(super) fn described_drive(&self) -> Drive {
-        let Drive { lag, dead_time, .. } = self.acting.drive;
-        Drive { lag, dead_time, ..self.settings.drive }
+        Some(self.follows.as_ref().filter(|_| is_corrected)?.belief())
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is believed of a drive, and what is gathered to teach more.
 
-use crate::drive::{DriveBelief, Stretch};
+use crate::drive::{Commanded, DriveBelief, Stretch};
+use crate::exchange::PoseNoise;
 use crate::kinematics::Drive;
 use crate::prediction::Scale;
 use crate::settings::{Method, Settings};
@@ -14,7 +15,10 @@ const ACCEPTED: f64 = 0.05;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Follows {
     /// Shared with what is shown of it.
-    pub(super) belief: Arc<DriveBelief>,
+    belief: Arc<DriveBelief>,
+    /// The dead time and the lag in s that it expects, which it takes a while to say and is asked for at every step; none
+    /// before any motion.
+    late: Option<(f64, f64)>,
     pub(super) stretch: Stretch,
     /// When the robot was last commanded to move; none before.
     pub(super) moved: Option<RobotTime>,
@@ -54,7 +58,31 @@ impl Follows {
 
     /// What is believed already.
     pub(super) fn of(belief: Arc<DriveBelief>) -> Self {
-        Self { belief, stretch: Stretch::default(), moved: None }
+        Self { late: belief.late(), belief, stretch: Stretch::default(), moved: None }
+    }
+
+    /// What is believed.
+    pub(super) fn belief(&self) -> &Arc<DriveBelief> {
+        &self.belief
+    }
+
+    /// `described` as late as it is expected to be.
+    pub(super) fn late(&self, described: &Drive) -> Drive {
+        self.late.map_or(*described, |(dead_time, lag)| Drive { lag, dead_time, ..*described })
+    }
+
+    /// Learns from a stretch of motion; whether it was understood.
+    pub(super) fn learn(
+        &mut self,
+        stretch: &Stretch,
+        commanded: &Commanded,
+        noise: PoseNoise,
+        track_width: f64,
+    ) -> bool {
+        let belief = Arc::make_mut(&mut self.belief);
+        let is_understood = belief.update(stretch, commanded, noise, track_width);
+        self.late = belief.late();
+        is_understood
     }
 
     /// On another floor.

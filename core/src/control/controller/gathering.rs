@@ -3,18 +3,11 @@
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use crate::actuation::Slew;
-use crate::drive::{Commanded, DriveEstimate, LONGEST, MAX_SPAN, Stretch};
+use crate::drive::{APART, Commanded, DriveEstimate, GAP, LONGEST, MAX_SPAN, Stretch};
 use crate::exchange::Observation;
 use crate::geometry::WheelSpeeds;
 use crate::kinematics;
 use crate::settings::{Attribution, Settings};
-use std::sync::Arc;
-
-/// Poses that follow each other faster than this many s are left out.
-const LEAST_INTERVAL: f64 = 0.02;
-
-/// A gap between poses in s after which a stretch begins anew.
-const MAX_GAP: f64 = 0.5;
 
 /// Longest time in s without a report of what is played: what may have been played meanwhile is nearly the same.
 const HOLE: f64 = 0.25;
@@ -22,7 +15,7 @@ const HOLE: f64 = 0.25;
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// What is believed of how late the drive follows; none where that is described.
     pub fn drive_estimate(&self) -> Option<DriveEstimate> {
-        Some(self.follows.as_ref()?.belief.estimate())
+        Some(self.follows.as_ref()?.belief().estimate())
     }
 
     /// Poses begin anew.
@@ -38,10 +31,10 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let taken = observation.taken;
         if let Some((_, last)) = follows.stretch.ends() {
             let interval = taken - last.taken;
-            if interval < LEAST_INTERVAL {
+            if interval < APART {
                 return;
             }
-            if interval > MAX_GAP {
+            if interval > GAP {
                 follows.forget();
             }
         }
@@ -93,8 +86,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
         let noise = self.watch.noise(noise);
         let Some(follows) = &mut self.follows else { return };
-        let belief = Arc::make_mut(&mut follows.belief);
-        if belief.update(stretch, &commanded, noise, drive.track_width) {
+        if follows.learn(stretch, &commanded, noise, drive.track_width) {
             self.act();
         }
     }

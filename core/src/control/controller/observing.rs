@@ -91,16 +91,16 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         track: &Track,
         until: RobotTime,
     ) -> (Window, Displacement, WheelSpeeds) {
-        let (drive, acting) = (&self.described_drive(), &self.acting.drive);
+        let (described, acting) = (&self.settings.drive, &self.acting.drive);
         let (floors, is_scaled) = (self.watch.floors(), self.scaled_belief().is_some());
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
-            let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
+            let (end, mean) = kinematics::follow(acting.lag, wheels, speeds, duration);
+            let twist = |drive| floors.moving(kinematics::forward(drive, mean));
             // Errors are those of commands as described, whatever else is known of the drive.
-            let mut piece = window.add(floors.moving(twist), duration);
+            let mut piece = window.add(twist(described), duration);
             if is_scaled {
-                let (_, twist) = kinematics::travel(acting, wheels, speeds, duration);
-                piece = kinematics::integrate(floors.moving(twist), duration);
+                piece = kinematics::integrate(twist(acting), duration);
             }
             moved = Some(moved.map_or(piece, |moved: Displacement| moved.then(piece)));
             wheels = end;
@@ -148,8 +148,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         end: &Observation,
         observer: &mut impl SampleObserver,
     ) -> Window {
-        let (Settings { noise, attribution, .. }, drive) = (self.acting, self.described_drive());
-        let start = window.start.taken;
+        let Settings { drive, noise, attribution, .. } = self.settings;
+        let (start, dead_time) = (window.start.taken, self.acting.drive.dead_time);
         let is_taught = self.teaches_from.is_some_and(|from| start >= from);
         if !is_taught || self.heard.was_away(start, end.taken) {
             return Window::new(*end);
@@ -158,7 +158,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             return Window::new(*end);
         }
         if attribution == Attribution::Played
-            && !self.commands.is_known(&drive, start - drive.dead_time, end.taken - drive.dead_time)
+            && !self.commands.is_known(&drive, start - dead_time, end.taken - dead_time)
         {
             return Window::new(*end);
         }

@@ -109,8 +109,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let shape = |drive: &Drive| (drive.wheel_radius, drive.track_width);
         if settings.method == Method::Adaptive && shape(&old.drive) != shape(&settings.drive) {
             // Samples are of commands as described; what they said of the drive stays.
-            let blank = Belief::new(settings.method, &settings.prior, settings.uses_drift());
-            self.belief.restore(blank.channels());
+            self.belief.reset_channels();
         }
         if relearn || old.drive != settings.drive {
             self.watch.unlearn();

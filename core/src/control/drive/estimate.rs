@@ -1,12 +1,10 @@
 //! What is believed of a drive, as it is shown.
 
 use crate::identification::Status;
+use crate::identification::estimate::{LEVEL, NORMAL_HALF_WIDTH};
 
 /// Probability of each tail outside an interval that is shown.
-const TAIL: f64 = (1.0 - crate::identification::estimate::LEVEL) / 2.0;
-
-/// Half the width of an interval that is shown, in standard deviations of a normal distribution.
-const HALF_WIDTH: f64 = 1.644_853_626_951_472_2;
+const TAIL: f64 = (1.0 - LEVEL) / 2.0;
 
 /// A quantity with its uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,11 +13,18 @@ pub struct Quantity {
     pub mean: f64,
     /// Its standard deviation.
     pub sd: f64,
-    /// Holds it with probability [`LEVEL`](crate::identification::estimate::LEVEL), as likely below as above.
+    /// Holds it with probability [`LEVEL`], as likely below as above.
     pub interval: (f64, f64),
 }
 
 impl Quantity {
+    /// Of a normal distribution.
+    pub fn normal(mean: f64, variance: f64) -> Self {
+        let sd = variance.max(0.0).sqrt();
+        let half = NORMAL_HALF_WIDTH * sd;
+        Self { mean, sd, interval: (mean - half, mean + half) }
+    }
+
     /// Of a mixture of even distributions, each from its first to its second value with its weight.
     pub(super) fn of(cells: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
         // Weights are kept to three digits: they sum to about one.
@@ -87,15 +92,6 @@ pub struct DriveEstimate {
     pub stretches: u64,
     /// Those that no hypothesis explains.
     pub not_understood: u64,
-}
-
-impl Quantity {
-    /// Of a normal distribution.
-    pub fn normal(mean: f64, variance: f64) -> Self {
-        let sd = variance.max(0.0).sqrt();
-        let half = HALF_WIDTH * sd;
-        Self { mean, sd, interval: (mean - half, mean + half) }
-    }
 }
 
 impl DriveEstimate {

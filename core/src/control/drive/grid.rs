@@ -204,10 +204,12 @@ impl Grid {
         Quantity::of(cells.iter().copied())
     }
 
-    /// The part of the sum that is expected to be lag.
-    pub fn lag_share(&self) -> f64 {
-        let sum: f64 = self.weights.iter().sum();
-        self.alive().map(|it| it.weight * it.share).sum::<f64>() / sum
+    /// The dead time and the lag in s that are expected.
+    pub fn expected(&self) -> (f64, f64) {
+        let weights: f64 = self.weights.iter().sum();
+        let share = self.alive().map(|it| it.weight * it.share).sum::<f64>() / weights;
+        let sum = self.sum().mean;
+        (sum * (1.0 - share), sum * share)
     }
 }
 

@@ -18,7 +18,7 @@ mod stretch;
 pub use estimate::{DriveEstimate, Quantity, ScaleEstimate};
 pub use grid::{LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
 pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
-pub use stretch::{Commanded, MAX_POSES, MAX_SPAN, Stretch};
+pub use stretch::{APART, Commanded, GAP, MAX_POSES, MAX_SPAN, Stretch};
 
 use crate::exchange::PoseNoise;
 use crate::kinematics::Drive;
@@ -210,9 +210,8 @@ impl DriveBelief {
         if self.stretches == 0 {
             return self;
         }
-        for (part, sum) in
-            self.parts.iter_mut().zip([self.forward.of(0), self.turn.of(0), self.turn.of(1)])
-        {
+        let together = self.together();
+        for (part, sum) in self.parts.iter_mut().zip(together) {
             *part = part.next(sum);
         }
         let [forward, turn, drift] = self.parts.map(|part| part.together());
@@ -237,13 +236,9 @@ impl DriveBelief {
         self
     }
 
-    /// `drive` with the expected dead time and lag, once any motion has taught them.
-    pub fn late(&self, drive: &Drive) -> Drive {
-        if self.stretches == 0 {
-            return *drive;
-        }
-        let (sum, share) = (self.grid.sum().mean, self.grid.lag_share());
-        Drive { lag: sum * share, dead_time: sum * (1.0 - share), ..*drive }
+    /// The dead time and the lag in s that are expected, once any motion has taught them.
+    pub fn late(&self) -> Option<(f64, f64)> {
+        (self.stretches > 0).then(|| self.grid.expected())
     }
 
     /// As it is shown.

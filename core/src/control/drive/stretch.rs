@@ -2,7 +2,8 @@
 
 use crate::exchange::{Observation, PoseNoise};
 use crate::geometry::Twist;
-use crate::geometry::elementary::{exp, sin_cos};
+use crate::geometry::elementary::sin_cos;
+use crate::kinematics;
 use crate::prediction::Motion;
 use crate::time::RobotTime;
 use arrayvec::ArrayVec;
@@ -13,11 +14,17 @@ pub const MAX_POSES: usize = 48;
 /// Longest stretch in s.
 pub const MAX_SPAN: f64 = 1.5;
 
+/// Poses nearer to each other than this in s are passed over: a stretch of motion has room for so many.
+pub const APART: f64 = 0.02;
+
+/// Where poses are missing for longer in s, another stretch begins.
+pub const GAP: f64 = 0.5;
+
 /// Fewest third differences that say something of the noise.
 const FEWEST_THIRDS: usize = 10;
 
 /// Median distance from the mean in standard deviations, of a normal distribution.
-const MEDIAN: f64 = 0.674_5;
+pub(super) const MEDIAN: f64 = 0.674_5;
 
 /// Poses, oldest first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,11 +70,6 @@ impl Commanded {
             Some((last, so_far)) if *last == twist => *so_far += duration,
             _ => self.pieces.push((twist, duration)),
         }
-    }
-
-    /// Whether it changes at all.
-    pub fn changes(&self) -> bool {
-        self.pieces.len() > 1
     }
 
     /// Whether it drives, and does not only turn.
@@ -143,8 +145,8 @@ pub(super) struct Follower<'a> {
     time: RobotTime,
     twist: Twist,
     lag: f64,
-    /// The last duration in s of a step, and what it leaves of a difference.
-    decay: (f64, f64),
+    /// The last duration in s of a step, and what it leaves of a difference: at its end, and on average.
+    left_over: (f64, (f64, f64)),
 }
 
 impl<'a> Follower<'a> {
@@ -153,7 +155,7 @@ impl<'a> Follower<'a> {
         let pieces = &commanded.pieces[..];
         let (twist, left) = pieces.first().copied().unwrap_or((Twist::ZERO, f64::INFINITY));
         let time = commanded.from + dead_time;
-        Self { pieces, at: 0, left, time, twist, lag, decay: (0.0, 1.0) }
+        Self { pieces, at: 0, left, time, twist, lag, left_over: (0.0, (1.0, 1.0)) }
     }
 
     /// The motion from where it is to `until`.
@@ -181,22 +183,21 @@ impl<'a> Follower<'a> {
         self.time = self.time.later(until);
     }
 
-    /// w' = (u - w)/tau, as in [`crate::kinematics::follow`].
+    /// As [`kinematics::follow`] has it of the wheels.
     fn follow(&mut self, command: Twist, duration: f64) -> Motion {
         if command == self.twist || self.lag <= 0.0 {
             self.twist = command;
             return Motion::new(command, duration);
         }
-        if self.decay.0 != duration {
-            self.decay = (duration, exp(-duration / self.lag));
+        if self.left_over.0 != duration {
+            self.left_over = (duration, kinematics::left_over(self.lag, duration));
         }
-        let decay = self.decay.1;
-        let mean = self.lag / duration * (1.0 - decay);
+        let (end, mean) = self.left_over.1;
         let follow = |from: f64, to: f64, part: f64| to + (from - to) * part;
         let twist = self.twist;
         self.twist = Twist {
-            linear: follow(twist.linear, command.linear, decay),
-            angular: follow(twist.angular, command.angular, decay),
+            linear: follow(twist.linear, command.linear, end),
+            angular: follow(twist.angular, command.angular, end),
         };
         let mean = Twist {
             linear: follow(twist.linear, command.linear, mean),

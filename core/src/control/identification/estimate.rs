@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Probability mass of every interval that is shown.
 pub const LEVEL: f64 = 0.90;
 
+/// Half the width of an interval that is shown, in standard deviations of a normal distribution.
+pub const NORMAL_HALF_WIDTH: f64 = 1.644_853_626_951_472_2;
+
 /// A channel of control errors, in the body frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -129,11 +129,16 @@ impl Belief {
         }
     }
 
-    /// Back to the prior, the link included.
-    pub fn reset(&mut self) {
+    /// Every channel back to its prior.
+    pub fn reset_channels(&mut self) {
         for channel in &mut self.channels {
             channel.reset();
         }
+    }
+
+    /// Back to the prior, the link included.
+    pub fn reset(&mut self) {
+        self.reset_channels();
         self.link = LinkBelief::default();
         self.windows_rejected = 0;
         self.poses_set_aside = 0;

@@ -63,9 +63,7 @@ impl ErrorModel {
         turn: ChannelModel::PERFECT,
         drift: ChannelModel::PERFECT,
     };
-}
 
-impl ErrorModel {
     /// With means within what floors do: 1 + mean in \[0.3, 1.5\], half a metre or radian per metre.
     pub fn clamped(self) -> Self {
         let within = |model: ChannelModel, low: f64, high: f64| ChannelModel {

@@ -81,7 +81,7 @@ impl Controller {
         let (mut belief, mut record) = (self.belief.clone(), self.record);
         belief.link.restart_clock();
         record.restart_clock();
-        let drive = self.follows.as_ref().map(|follows| Arc::clone(&follows.belief));
+        let drive = self.follows.as_ref().map(|follows| Arc::clone(follows.belief()));
         Saved { belief, phase: self.phase.resumed(), record, watch: self.watch.kept(), drive }
     }
 

@@ -5,10 +5,8 @@ use super::Recording;
 use crate::control::drive::{DriveBelief, LONGEST, Quantity};
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::arc;
+use crate::prediction::Scale;
 use crate::time::RobotTime;
-
-/// Standard deviations on either side of a mean within which 90 % of a normal distribution lie.
-const NINETY: f64 = 1.644_853_6;
 
 /// How a drive is taken to follow its commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,24 +48,16 @@ pub struct Percentiles {
 impl DriveBelief {
     /// What it expects of the drive.
     pub fn followed(&self) -> Followed {
-        let (sum, share) = (self.grid.sum().mean, self.grid.lag_share());
-        Followed {
-            dead_time: sum * (1.0 - share),
-            lag: sum * share,
-            forward: 1.0 + self.forward.mean[0],
-            turn: 1.0 + self.turn.mean[0],
-            drift: self.turn.mean[1],
-        }
+        let (dead_time, lag) = self.grid.expected();
+        let Scale { forward, turn, drift } = self.scale();
+        Followed { dead_time, lag, forward: 1.0 + forward, turn: 1.0 + turn, drift }
     }
 
     /// Turn per commanded turn, and forward motion per commanded forward motion.
     pub fn ratios(&self) -> (Quantity, Quantity) {
-        let of = |mean: f64, variance: f64| {
-            let (mean, sd) = (1.0 + mean, variance.max(0.0).sqrt());
-            Quantity { mean, sd, interval: (mean - NINETY * sd, mean + NINETY * sd) }
-        };
-        let (turn, forward) = (&self.turn, &self.forward);
-        (of(turn.mean[0], turn.covariance[(0, 0)]), of(forward.mean[0], forward.covariance[(0, 0)]))
+        let [forward, turn, _] =
+            self.together().map(|it| Quantity::normal(1.0 + it.mean, it.variance));
+        (turn, forward)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Single poses that jump there and back, as trackers make them where two markers are taken for each other.
 
-use super::{GAP, Recording};
+use super::Recording;
+use crate::control::drive::stretch::{GAP, MEDIAN};
 use crate::exchange::{Observation, PoseNoise};
 use crate::geometry::{Twist, length};
 
@@ -9,9 +10,6 @@ const FAR: f64 = 8.0;
 
 /// Times the fastest command: robots are faster than commanded where wheels are told too small.
 const FASTER: f64 = 2.0;
-
-/// Median distance from the mean in standard deviations, of a normal distribution.
-const MEDIAN: f64 = 0.674_5;
 
 impl Recording {
     /// Leaves out every pose to which no robot of these commands gets and back, whose poses are known to `noise`, or to what

@@ -11,20 +11,15 @@ mod rough;
 pub use ahead::{ErrorsAhead, Followed, Percentiles};
 pub use identified::{Comparison, Identified};
 
+use super::stretch::{APART, GAP};
 use super::{Commanded, LONGEST, MAX_SPAN, Stretch};
 use crate::exchange::Observation;
 use crate::geometry::Twist;
 use crate::time::RobotTime;
 use std::iter::Peekable;
 
-/// Poses nearer to each other than this in s are passed over: a stretch of motion has room for so many.
-const APART: f64 = 0.02;
-
 /// What a stamp may be early by in s: poses every 20 ms are not all exactly so far apart.
 const JITTER: f64 = 0.002;
-
-/// Where poses are missing for longer in s, another stretch begins.
-const GAP: f64 = 0.5;
 
 /// For so many s before a stretch it is known what was commanded: after the longest sum of dead time and lag the state of the
 /// wheels before is forgotten.

@@ -2,9 +2,9 @@
 //!
 //! A belief that takes in one stretch after another may settle where the first few seem to fit. All together do not.
 
+use super::Recording;
 use super::ahead::Followed;
-use super::{APART, GAP, Recording};
-use crate::control::drive::stretch::Seen;
+use crate::control::drive::stretch::{APART, GAP, Seen};
 use crate::exchange::{Observation, PoseNoise};
 use crate::time::RobotTime;
 

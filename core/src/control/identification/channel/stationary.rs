@@ -1,6 +1,6 @@
 //! The estimator of a stationary channel: prior, posterior, sample statistics, and the noise shared by neighbouring windows.
 
-use super::super::estimate::{Channel, ChannelEstimate, LEVEL};
+use super::super::estimate::{Channel, ChannelEstimate, LEVEL, NORMAL_HALF_WIDTH};
 use super::super::status::{Status, progress};
 use super::super::window::Sample;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
@@ -204,9 +204,6 @@ impl Stationary {
 /// Most of the variance of a pose's noise that the mean ratio may explain: the filter's steps are not exact, a variance
 /// stays positive.
 const MOST_EXPLAINED: f64 = 0.99;
-
-/// Half the width in standard deviations of the central 90 % of a normal distribution.
-const NORMAL_HALF_WIDTH: f64 = 1.644_853_626_951_472_2;
 
 /// The central 90 % of a normal distribution.
 fn normal_interval(mean: f64, sd: f64) -> (f64, f64) {
