@@ -2,29 +2,30 @@
 
 use super::super::failure::Failure;
 use super::super::output::Output;
-use super::super::progress::{StatusLine, say, wait};
+use super::super::progress::{say, wait};
 use super::super::quantity::{self, metres};
 use super::super::square_report;
-use super::super::task::assign;
 use super::accept::accept;
-use super::check::look;
+use super::motion::Motion;
 use super::ready::refusal;
 use clap::Args;
 use serde_json::json;
 use std::time::Duration;
-use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_api::robot::Robot;
 use umwelt_api::square::{Report, Square};
-use umwelt_api::task::{Spec, Stage, Task};
+use umwelt_api::task::Spec;
 use umwelt_api::watch;
 use umwelt_api::{RobotId, Validate};
 use umwelt_client::Client;
 
-/// How often it is asked how far the robot is.
-const LOOK: Duration = Duration::from_secs(1);
-
-/// Times the planned duration after which nothing comes of it any more: the robot ends by itself before.
-const LONGEST: f64 = 8.0;
+const MOTION: Motion<Report> = Motion {
+    name: "square",
+    again: "calibrate",
+    look: Duration::from_secs(1),
+    longest: 8.0,
+    report: |task| task.square,
+    how_far,
+};
 
 /// Part of the side by which a robot may be beside its square: with wheels and track described as they are it is less.
 const BESIDE: f64 = 0.3;
@@ -79,20 +80,8 @@ impl Calibrate {
         let square = Square { side_m: self.side, runs: self.runs, speed_share: self.speed };
         let spec = spec(square)?;
         say(&announcement(&robot, &square));
-        let task = wait(assign(client, id, &spec, true)).await?;
         let duration = square.duration_s(&robot.spec.drive);
-        let report = tokio::select! {
-            ended = follow(client, &task, duration) => ended,
-            _ = tokio::signal::ctrl_c() => Err(Failure::Failed("the square was broken off".to_owned())),
-        };
-        let report = match report {
-            Ok(report) => report,
-            Err(failure) => {
-                // Only this one: another task that was set meanwhile is not cancelled. It may have gone already.
-                let _ = wait(client.if_match(&task.etag).cancel_task(id)).await;
-                return Err(failure);
-            }
-        };
+        let report = MOTION.drive(client, id, &spec, duration).await?;
         output.result(&report, |report| square_report::text(id, report))?;
         match report.systematic {
             Some(_) => Ok(()),
@@ -130,57 +119,13 @@ fn announcement(robot: &Robot, square: &Square) -> String {
     )
 }
 
-/// Follows the square to its end.
-async fn follow(client: &Client, task: &Task, duration: f64) -> Result<Report, Failure> {
-    let id = &task.robot;
-    let mut line = StatusLine::new();
-    let mut looks = interval(LOOK);
-    looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    let begun = Instant::now();
-    loop {
-        looks.tick().await;
-        let elapsed = begun.elapsed().as_secs_f64();
-        let late = elapsed > LONGEST * duration;
-        match look(client, id).await {
-            Ok((now, _)) if now.etag != task.etag => {
-                return Err(Failure::Failed(format!("{id} was given another task meanwhile")));
-            }
-            Ok((now, _)) if now.progress.stage == Stage::Arrived => {
-                line.clear();
-                return now.square.ok_or_else(|| {
-                    Failure::Failed(
-                        "the report is lost: the server was restarted; calibrate again".to_owned(),
-                    )
-                });
-            }
-            Ok((_, robot)) if robot.stopped => {
-                return Err(Failure::Failed(format!("{id} was stopped; the square is given up")));
-            }
-            Ok((_, robot)) => {
-                if let Some(found) = at_rest(&robot) {
-                    return Err(Failure::Failed(format!("{id} is {found}")));
-                }
-                let presence = quantity::presence(&robot);
-                if late {
-                    return Err(Failure::Failed(format!(
-                        "{id} does not come to an end: {presence}"
-                    )));
-                }
-                let run = robot.task.as_ref().map_or_else(String::new, |progress| {
-                    let run = (progress.leg + 1).min(progress.legs);
-                    format!(", run {run} of {}", progress.legs)
-                });
-                line.show(
-                    &format!("{presence}{run}"),
-                    &format!("{id}: {presence}{run}, {elapsed:.0} s of some {duration:.0} s"),
-                );
-            }
-            Err(error) if error.is_transient() && !late => {
-                line.show("no answer", &format!("still trying: {error}"));
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
+/// Which run it is at; or why the robot rests until it is resumed.
+fn how_far(robot: &Robot) -> Result<String, String> {
+    at_rest(robot).map_or(Ok(()), Err)?;
+    Ok(robot.task.as_ref().map_or_else(String::new, |progress| {
+        let run = (progress.leg + 1).min(progress.legs);
+        format!(", run {run} of {}", progress.legs)
+    }))
 }
 
 /// Why the robot rests until it is resumed; it goes on by itself where poses are missing.

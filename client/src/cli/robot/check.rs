@@ -3,25 +3,27 @@
 use super::super::check_report;
 use super::super::failure::Failure;
 use super::super::output::Output;
-use super::super::progress::{StatusLine, say, wait};
-use super::super::quantity::{self, metres};
-use super::super::task::assign;
+use super::super::progress::{say, wait};
+use super::super::quantity::metres;
+use super::motion::Motion;
 use super::ready::refusal;
 use clap::Args;
 use serde_json::json;
 use std::time::Duration;
-use tokio::time::{Instant, MissedTickBehavior, interval};
 use umwelt_api::RobotId;
 use umwelt_api::robot::Robot;
 use umwelt_api::robot_check::{Report, Wiggle};
-use umwelt_api::task::{Spec, Stage, Task};
-use umwelt_client::{Client, Error};
+use umwelt_api::task::Spec;
+use umwelt_client::Client;
 
-/// How often it is asked how far the check is.
-const LOOK: Duration = Duration::from_millis(500);
-
-/// Times the planned duration after which nothing comes of it any more: the robot ends by itself before.
-const LONGEST: f64 = 4.0;
+const MOTION: Motion<Report> = Motion {
+    name: "check",
+    again: "check",
+    look: Duration::from_millis(500),
+    longest: 4.0,
+    report: |task| task.check,
+    how_far: |_| Ok(String::new()),
+};
 
 /// Times the length of a drive that is to be free around the robot, beside the robot itself.
 const ROOM: f64 = 2.0;
@@ -56,20 +58,8 @@ impl Check {
         }
         let wiggle = Wiggle::default();
         say(&announcement(&robot, &wiggle));
-        let task = wait(assign(client, id, &spec(wiggle)?, true)).await?;
         let duration = wiggle.duration_s(&robot.spec.drive);
-        let report = tokio::select! {
-            ended = follow(client, &task, duration) => ended,
-            _ = tokio::signal::ctrl_c() => Err(Failure::Failed("the check was broken off".to_owned())),
-        };
-        let report = match report {
-            Ok(report) => report,
-            Err(failure) => {
-                // Only this one: another task that was set meanwhile is not cancelled. It may have gone already.
-                let _ = wait(client.if_match(&task.etag).cancel_task(id)).await;
-                return Err(failure);
-            }
-        };
+        let report = MOTION.drive(client, id, &spec(wiggle)?, duration).await?;
         output.result(&report, |report| check_report::text(id, report))?;
         match report.findings.len() {
             0 => Ok(()),
@@ -101,56 +91,6 @@ fn announcement(robot: &Robot, wiggle: &Wiggle) -> String {
         wiggle.duration_s(drive),
         (10.0 * room).ceil() / 10.0,
     )
-}
-
-/// Follows the check to its end.
-async fn follow(client: &Client, task: &Task, duration: f64) -> Result<Report, Failure> {
-    let id = &task.robot;
-    let mut line = StatusLine::new();
-    let mut looks = interval(LOOK);
-    looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    let begun = Instant::now();
-    loop {
-        looks.tick().await;
-        let elapsed = begun.elapsed().as_secs_f64();
-        let late = elapsed > LONGEST * duration;
-        match look(client, id).await {
-            Ok((now, _)) if now.etag != task.etag => {
-                return Err(Failure::Failed(format!("{id} was given another task meanwhile")));
-            }
-            Ok((now, _)) if now.progress.stage == Stage::Arrived => {
-                line.clear();
-                return now.check.ok_or_else(|| {
-                    Failure::Failed(
-                        "the report is lost: the server was restarted; check again".to_owned(),
-                    )
-                });
-            }
-            Ok((_, robot)) if robot.stopped => {
-                return Err(Failure::Failed(format!("{id} was stopped; the check is given up")));
-            }
-            Ok((_, robot)) if late => {
-                let presence = quantity::presence(&robot);
-                return Err(Failure::Failed(format!("{id} does not come to an end: {presence}")));
-            }
-            Ok((_, robot)) => {
-                let presence = quantity::presence(&robot);
-                line.show(
-                    &presence,
-                    &format!("{id}: {presence}, {elapsed:.0} s of some {duration:.0} s"),
-                );
-            }
-            Err(error) if error.is_transient() && !late => {
-                line.show("no answer", &format!("still trying: {error}"));
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
-}
-
-pub(super) async fn look(client: &Client, robot: &RobotId) -> Result<(Task, Robot), Error> {
-    let (task, robot) = tokio::join!(client.get_task(robot), client.get_robot(robot));
-    Ok((task?, robot?))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ mod accept;
 mod calibrate;
 mod check;
 mod description;
+mod motion;
 mod ready;
 
 use super::failure::Failure;
