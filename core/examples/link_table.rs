@@ -30,6 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 task: Task::thesis(),
                 start: Pose::default(),
                 region: None,
+                frame: umwelt_core::episode::FRAME,
                 time_limit: TIME_LIMIT,
             };
             let (mut times, mut deviations, mut arrived) = (Vec::new(), Vec::new(), 0);

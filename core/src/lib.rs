@@ -73,8 +73,8 @@ pub use robot::{actuation, exchange, geometry, horizon, kinematics, local, time}
 mod control;
 #[cfg(feature = "controller")]
 pub use control::{
-    check, commands, conjugate, controller, derived, drive, identification, prediction, settings,
-    square, steering, task, watch,
+    check, commands, conjugate, controller, derived, drive, fusion, identification, prediction,
+    settings, square, steering, task, watch,
 };
 
 #[cfg(feature = "controller")]

@@ -19,6 +19,7 @@ fn allocations(link: &str, slots: usize, time_limit: f64) -> u64 {
         task: far,
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit,
     };
     let mut end = 0.0;

@@ -28,6 +28,7 @@ fn scenario(lag: f64, dead_time: f64, rtt: f64) -> Scenario {
         task: Task { waypoints, calibration: Some(Calibration::default()), ..Task::thesis() },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: 120.0,
     }
 }

@@ -32,6 +32,7 @@ fn scenario(drive: Drive) -> Scenario {
         task: Task { waypoints, calibration: Some(Calibration::default()), ..Task::thesis() },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: 120.0,
     }
 }

@@ -28,6 +28,7 @@ fn scenario(rtt: Rtt) -> Scenario {
         task: Task { waypoints, calibration: None, ..Task::thesis() },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: 120.0,
     }
 }

@@ -37,6 +37,7 @@ fn bad_links_are_no_fault_of_the_robot() {
             task: Task::thesis(),
             start: Pose::default(),
             region: None,
+            frame: umwelt_core::episode::FRAME,
             time_limit: TIME_LIMIT,
         };
         for seed in seeds {

@@ -33,6 +33,7 @@ fn scenario(link: LinkModel) -> Scenario {
         task: Task { calibration: None, ..Task::thesis() },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: 120.0,
     }
 }

@@ -21,6 +21,7 @@ pub fn scenario(link: &str, slots: usize, predictor: PredictorKind) -> Scenario 
         task: Task::thesis(),
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: TIME_LIMIT,
     }
 }

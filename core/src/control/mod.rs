@@ -7,6 +7,7 @@ pub mod conjugate;
 pub mod controller;
 pub mod derived;
 pub mod drive;
+pub mod fusion;
 pub mod identification;
 pub mod prediction;
 pub mod settings;

@@ -145,6 +145,8 @@ pub struct Settings {
     pub identifies_lag: bool,
     /// Known noise of its observed poses.
     pub noise: PoseNoise,
+    /// Whether that is identified, because it was not said; `noise` is then what is expected before any pose.
+    pub identifies_noise: bool,
     /// How the environment is identified.
     pub method: Method,
     /// Belief before any sample.
@@ -189,6 +191,7 @@ impl Default for Settings {
             drive: Drive::default(),
             identifies_lag: false,
             noise: PoseNoise::default(),
+            identifies_noise: false,
             method: Method::Bayesian,
             prior: Prior::default(),
             attribution: Attribution::Sent,

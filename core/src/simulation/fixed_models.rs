@@ -30,7 +30,16 @@ pub fn measure(link: LinkModel, round_trips: usize, seed: u64) -> Result<FixedMo
     let task = Task { waypoints, ..Task::thesis() };
     let time_limit = 100.0 * round_trips as f64;
     let start = Pose::default();
-    let scenario = Scenario { settings, plant, link, task, start, region: None, time_limit };
+    let scenario = Scenario {
+        settings,
+        plant,
+        link,
+        task,
+        start,
+        region: None,
+        frame: crate::episode::FRAME,
+        time_limit,
+    };
     let (_, controller) = scenario.run_with(seed, |_| {})?;
     Ok(Channel::ALL.map(|channel| {
         let posterior = controller.belief().channel(channel).posterior();

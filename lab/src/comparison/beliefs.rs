@@ -90,6 +90,7 @@ fn scenario(prior: Prior, slip: Slip) -> Scenario {
         },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: TIME_LIMIT,
     }
 }

@@ -84,6 +84,7 @@ impl ComparisonSettings {
             task: self.task.clone(),
             start: self.start,
             region: environment.region.clone(),
+            frame: umwelt_core::episode::FRAME,
             time_limit: self.time_limit,
         }
     }

@@ -226,6 +226,7 @@ impl Evolution {
             task: task.clone(),
             start: Pose::default(),
             region: None,
+            frame: umwelt_core::episode::FRAME,
             time_limit: limits.time + CALIBRATION_TIME,
         };
         let Ok((outcome, controller)) = scenario.run_with(episode.seed, |_| {}) else {

@@ -17,6 +17,7 @@ fn scenario(settings: impl Fn(&Settings) -> Settings, slots: usize) -> Scenario 
         task: thesis.task,
         start: thesis.start,
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: 240.0,
     }
 }

@@ -208,7 +208,8 @@ impl Description {
         let says = |quantity| self.says(path(quantity));
         let (follows_link, identifies_lag) =
             (derived::follows_link(says), derived::identifies_lag(says));
-        Settings { follows_link, identifies_lag, ..settings }
+        let identifies_noise = !NOISE.iter().any(|field| self.says(field));
+        Settings { follows_link, identifies_lag, identifies_noise, ..settings }
     }
 
     /// These settings with what follows from the rest and was not said.
@@ -226,6 +227,9 @@ impl Description {
         settings
     }
 }
+
+/// The fields of a spec that hold the noise of poses: identified where none of them is said.
+const NOISE: [&str; 2] = ["noise.position_m", "noise.heading_rad"];
 
 /// The field of a spec that holds what may follow from the rest: one of [`DERIVED`](crate::robot::DERIVED).
 pub(super) fn path(quantity: Quantity) -> &'static str {
@@ -273,6 +277,7 @@ impl Spec {
             drive: self.drive.convert(),
             identifies_lag: false,
             noise: self.noise.convert(),
+            identifies_noise: false,
             method: self.method.into(),
             prior,
             attribution: self.attribution.into(),

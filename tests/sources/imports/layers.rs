@@ -36,7 +36,7 @@ const CORE: Layers = &[
     &["control/commands/"],
     &["control/prediction/"],
     &["control/identification/"],
-    &["control/drive/"],
+    &["control/drive/", "control/fusion/"],
     &["control/steering.rs"],
     &["control/watch/", "control/check/", "control/square/"],
     &["control/controller/"],

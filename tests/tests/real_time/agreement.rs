@@ -39,6 +39,7 @@ fn scenario() -> Scenario {
         task: Task { calibration: None, ..Task::thesis() },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: ARRIVAL.as_secs_f64(),
     }
 }

@@ -32,6 +32,7 @@ fn alone(seed: u64) -> f64 {
         task: straight_to(GOAL),
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: ARRIVAL.as_secs_f64(),
     };
     let outcome = scenario.run(1).unwrap();

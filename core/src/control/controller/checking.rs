@@ -68,7 +68,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Takes in one pose, whatever it says.
     fn observe_unjudged(&mut self, observation: Observation) {
         let taken = observation.taken;
-        let mut next = Track::new(observation, WheelSpeeds::ZERO);
+        let mut next = Track::new(observation, observation.pose, WheelSpeeds::ZERO);
         if let Some(track) = self.track {
             let last = track.last.taken;
             if taken <= last {
@@ -95,6 +95,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             trace.pose(observation);
         }
         self.compensation.estimator.reset(observation);
+        self.begin_fusion(&observation);
         self.track = Some(next);
         self.rejected = None;
         self.forget_gathered();

@@ -19,6 +19,8 @@ pub(super) struct Follows {
     /// The dead time and the lag in s that it expects, which it takes a while to say and is asked for at every step; none
     /// before any motion.
     late: Option<(f64, f64)>,
+    /// Standard deviation in s of their sum.
+    late_sd: f64,
     pub(super) stretch: Stretch,
     /// When the robot was last commanded to move; none before.
     pub(super) moved: Option<RobotTime>,
@@ -58,7 +60,8 @@ impl Follows {
 
     /// What is believed already.
     pub(super) fn of(belief: Arc<DriveBelief>) -> Self {
-        Self { late: belief.late(), belief, stretch: Stretch::default(), moved: None }
+        let (late, late_sd) = (belief.late(), belief.late_sd());
+        Self { late, late_sd, belief, stretch: Stretch::default(), moved: None }
     }
 
     /// What is believed.
@@ -71,6 +74,11 @@ impl Follows {
         self.late.map_or(*described, |(dead_time, lag)| Drive { lag, dead_time, ..*described })
     }
 
+    /// Standard deviation in s of how late it is expected to be.
+    pub(super) fn late_sd(&self) -> f64 {
+        self.late_sd
+    }
+
     /// Learns from a stretch of motion; whether it was understood.
     pub(super) fn learn(
         &mut self,
@@ -81,7 +89,7 @@ impl Follows {
     ) -> bool {
         let belief = Arc::make_mut(&mut self.belief);
         let is_understood = belief.update(stretch, commanded, noise, track_width);
-        self.late = belief.late();
+        (self.late, self.late_sd) = (belief.late(), belief.late_sd());
         is_understood
     }
 

@@ -7,7 +7,7 @@ use crate::drive::{APART, Commanded, DriveEstimate, GAP, LONGEST, MAX_SPAN, Stre
 use crate::exchange::Observation;
 use crate::geometry::WheelSpeeds;
 use crate::kinematics;
-use crate::settings::{Attribution, Settings};
+use crate::settings::Attribution;
 
 /// Longest time in s without a report of what is played: what may have been played meanwhile is nearly the same.
 const HOLE: f64 = 0.25;
@@ -66,7 +66,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     fn learn_drive(&mut self, stretch: &Stretch) {
         let Some((first, last)) = stretch.ends() else { return };
         let (from, until) = (first.taken - LONGEST, last.taken);
-        let Settings { drive, noise, .. } = self.settings;
+        let drive = self.settings.drive;
         let is_its_own = self.watch.rests() || self.heard.was_away(from, until);
         if is_its_own || !self.commands.is_followed(from, until, HOLE) {
             return;
@@ -84,7 +84,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if !commanded.moves() {
             return;
         }
-        let noise = self.watch.noise(noise);
+        let noise = self.watch.noise(self.pose_noise());
         let Some(follows) = &mut self.follows else { return };
         if follows.learn(stretch, &commanded, noise, drive.track_width) {
             self.act();

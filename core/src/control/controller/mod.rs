@@ -8,6 +8,7 @@ mod checking;
 pub mod compensation;
 mod event;
 mod follows;
+mod fusing;
 mod gathering;
 mod heard;
 mod news;
@@ -23,7 +24,8 @@ mod watching;
 use crate::check::{Report, Trace};
 use crate::commands::Commands;
 use crate::exchange::{Observation, Request};
-use crate::geometry::{Point, WheelSpeeds};
+use crate::fusion::{Fusion, NoiseBelief};
+use crate::geometry::{Displacement, Point, Pose, WheelSpeeds};
 use crate::horizon::{Horizon, SLOT};
 use crate::identification::estimate::Estimates;
 use crate::identification::{Belief, ChannelBelief, SampleObserver, Window};
@@ -64,7 +66,12 @@ pub struct Output {
 /// What is known of the robot's motion up to its last accepted pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Track {
+    /// Where it was then, and when.
     last: Observation,
+    /// The last accepted pose as it was observed.
+    seen: Observation,
+    /// By the commands the robot has moved so far since.
+    unseen: Displacement,
     /// What the commands make the wheels do at that time, lag included.
     wheels: WheelSpeeds,
     window: Window,
@@ -100,6 +107,10 @@ pub struct Controller<E = Identified, D = NominalDelay, F = QuadraticCurve> {
     commands: Commands,
     track: Option<Track>,
     rejected: Option<RejectedPoses>,
+    /// Where the robot is by all poses; none where they are taken as they are observed.
+    fusion: Option<Fusion>,
+    /// How noisy they are; none where that does not matter.
+    noise: Option<Box<NoiseBelief>>,
     task: Option<Task>,
     phase: Phase,
     /// The phases of the plan in force, which is the newest horizon sent; empty where it holds no longer.
@@ -148,6 +159,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             commands: Commands::default(),
             track: None,
             rejected: None,
+            fusion: None,
+            noise: fusing::noise_of(&settings),
             task: None,
             phase: Phase::Idle,
             phases: Phases::new(),
@@ -317,14 +330,18 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 }
 
 impl Track {
-    fn new(observation: Observation, wheels: WheelSpeeds) -> Self {
+    /// Begins with an observed pose, at `pose`.
+    fn new(observation: Observation, pose: Pose, wheels: WheelSpeeds) -> Self {
         let window = Window::new(observation);
+        let last = Observation { pose, ..observation };
         Self {
-            last: observation,
+            last,
+            seen: observation,
+            unseen: Displacement::default(),
             wheels,
             window,
             interval: SLOT,
-            still: observation,
+            still: last,
             began: observation.taken,
         }
     }

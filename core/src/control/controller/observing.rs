@@ -5,8 +5,9 @@ use super::event::{Event, Events};
 use super::plan::{Phase, REST_SLOTS};
 use super::{ACCEPTED_AGAIN, Controller, RejectedPoses, Track};
 use crate::exchange::Observation;
+use crate::fusion::Verdict;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
-use crate::identification::{SampleObserver, Verdict, Window};
+use crate::identification::{self, SampleObserver, Window};
 use crate::kinematics;
 use crate::settings::{Attribution, FollowsLink, Settings};
 use crate::time::RobotTime;
@@ -38,50 +39,104 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         observer: &mut impl SampleObserver,
     ) {
         let Some(track) = self.track else {
-            self.compensation.estimator.reset(observation);
-            self.track = Some(Track::new(observation, WheelSpeeds::ZERO));
+            self.begin_poses(observation, WheelSpeeds::ZERO);
             return;
         };
-        if observation.taken <= track.last.taken {
+        let taken = observation.taken;
+        if taken <= track.last.taken {
+            self.observe_late(&track, &observation);
             return;
         }
-        let (window, moved, wheels) = self.nominal(&track, observation.taken);
-        let predicted = track.last.pose.then(moved);
-        let span = observation.taken - track.last.taken;
-        if !self.can_have_moved(predicted, observation.pose, span) {
-            self.belief.poses_set_aside += 1;
-            self.forget_gathered();
-            self.watch_set_aside(observation.taken, events);
-            let again = self.rejected.filter(|rejected| {
-                let span = observation.taken - rejected.last.taken;
-                self.can_have_moved(rejected.last.pose, observation.pose, span)
-            });
-            let count = again.map_or(1, |rejected| rejected.count + 1);
-            if count < ACCEPTED_AGAIN {
-                self.rejected = Some(RejectedPoses { last: observation, count });
-                let distance = predicted.point().distance(observation.pose.point());
+        let (window, moved, wheels) = self.nominal(&track, taken);
+        let verdict = match self.fuse(&track, &observation) {
+            Some(verdict) => verdict,
+            None => self.gate(&track, &observation, moved),
+        };
+        let unseen = track.unseen.then(moved);
+        let track = Track { window, wheels, unseen, ..track };
+        match verdict {
+            Verdict::SetAside { distance } => {
+                self.belief.poses_set_aside += 1;
+                if let Some(pose) = self.fused() {
+                    self.track = Some(Track { last: Observation { pose, ..observation }, ..track });
+                } else {
+                    self.forget_gathered();
+                }
+                self.watch_set_aside(taken, events);
                 let _ = events.try_push(Event::PoseSetAside { observation, distance });
                 return;
             }
-            let _ = events.try_push(Event::PosesAcceptedAgain);
-            self.watch_anew();
-            self.compensation.estimator.reset(observation);
-            self.track =
-                Some(Track { interval: track.interval, ..Track::new(observation, wheels) });
-        } else {
-            let window = self.close(window, &track, &observation, observer);
-            let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
-            let Observation { pose, taken } = observation;
-            let pose = self.compensation.estimator.filter_pose(taken, pose, predicted, moved);
-            let last = Observation { pose, taken };
-            let still = if self.has_moved(track.still.pose, pose) { last } else { track.still };
-            self.track = Some(Track { last, wheels, window, interval, still, ..track });
-            self.gather(observation);
-            self.watch_step(track.last, observation, predicted, moved, events);
+            Verdict::Again => {
+                let _ = events.try_push(Event::PosesAcceptedAgain);
+                self.watch_anew();
+                self.begin_poses(observation, wheels);
+                if let Some(begun) = &mut self.track {
+                    begun.interval = track.interval;
+                }
+            }
+            Verdict::Accepted => self.go_on(track, observation, moved, events, observer),
         }
         self.rejected = None;
-        self.commands.settle(observation.taken - self.acting.drive.dead_time);
+        self.commands.settle(taken - self.acting.drive.dead_time);
         self.follow_task(&observation, events);
+    }
+
+    /// Poses begin with this one, while the wheels do so much.
+    fn begin_poses(&mut self, observation: Observation, wheels: WheelSpeeds) {
+        self.compensation.estimator.reset(observation);
+        self.forget_gathered();
+        self.begin_fusion(&observation);
+        let pose = self.fused().unwrap_or(observation.pose);
+        self.track = Some(Track::new(observation, pose, wheels));
+    }
+
+    /// Goes on to an accepted pose; since the last of all poses the robot has `moved` by its commands.
+    fn go_on(
+        &mut self,
+        track: Track,
+        observation: Observation,
+        moved: Displacement,
+        events: &mut Events,
+        observer: &mut impl SampleObserver,
+    ) {
+        let Observation { pose: observed, taken } = observation;
+        let window = self.close(&track, &observation, observer);
+        let span = taken - track.seen.taken;
+        let interval = track.interval + 0.2 * (span.min(MAX_GAP) - track.interval);
+        let pose = self.fused().unwrap_or_else(|| {
+            let predicted = track.last.pose.then(moved);
+            self.compensation.estimator.filter_pose(taken, observed, predicted, moved)
+        });
+        let last = Observation { pose, taken };
+        let still = if self.has_moved(track.still.pose, pose) { last } else { track.still };
+        // The watch compares what was seen with what was seen.
+        let (from, commanded) = (track.seen, track.unseen);
+        let seen = if self.fused().is_some() { observation } else { last };
+        let unseen = Displacement::default();
+        self.track = Some(Track { last, seen, unseen, window, interval, still, ..track });
+        self.gather(observation);
+        let predicted = from.pose.then(commanded);
+        self.watch_step(from, observation, predicted, commanded, events);
+    }
+
+    /// Whether a pose is accepted where poses are taken as they are observed; by the commands the robot has `moved` since
+    /// the last one.
+    fn gate(&mut self, track: &Track, observation: &Observation, moved: Displacement) -> Verdict {
+        let predicted = track.last.pose.then(moved);
+        let span = observation.taken - track.last.taken;
+        if self.can_have_moved(predicted, observation.pose, span) {
+            return Verdict::Accepted;
+        }
+        let again = self.rejected.filter(|rejected| {
+            let span = observation.taken - rejected.last.taken;
+            self.can_have_moved(rejected.last.pose, observation.pose, span)
+        });
+        let count = again.map_or(1, |rejected| rejected.count + 1);
+        if count >= ACCEPTED_AGAIN {
+            return Verdict::Again;
+        }
+        self.rejected = Some(RejectedPoses { last: *observation, count });
+        Verdict::SetAside { distance: predicted.point().distance(observation.pose.point()) }
     }
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
@@ -127,7 +182,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// How far from where it was predicted a robot can be after `span` s, in m and rad.
     pub(super) fn reach(&self, span: f64) -> (f64, f64) {
-        let Settings { drive, noise, .. } = &self.acting;
+        let (drive, noise) = (&self.acting.drive, self.pose_noise());
         let far = 2.0 * drive.max_linear * span + 6.0 * noise.position + MARGIN.0;
         let turned = 2.0 * drive.max_angular * span + 6.0 * noise.heading + MARGIN.1;
         (far, turned)
@@ -143,18 +198,18 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Closes the window with a pose where it is ripe; the window that goes on.
     fn close(
         &mut self,
-        window: Window,
         track: &Track,
         end: &Observation,
         observer: &mut impl SampleObserver,
     ) -> Window {
-        let Settings { drive, noise, attribution, .. } = self.settings;
+        let Settings { drive, attribution, .. } = self.settings;
+        let (window, noise) = (track.window, self.pose_noise());
         let (start, dead_time) = (window.start.taken, self.acting.drive.dead_time);
         let is_taught = self.teaches_from.is_some_and(|from| start >= from);
         if !is_taught || self.heard.was_away(start, end.taken) {
             return Window::new(*end);
         }
-        if end.taken - track.last.taken > MAX_GAP {
+        if end.taken - track.seen.taken > MAX_GAP {
             return Window::new(*end);
         }
         if attribution == Attribution::Played
@@ -163,12 +218,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             return Window::new(*end);
         }
         match window.verdict(&drive, noise, end) {
-            Verdict::Open => return window,
-            Verdict::Rest => {}
-            Verdict::Rejected => self.belief.windows_rejected += 1,
+            identification::Verdict::Open => return window,
+            identification::Verdict::Rest => {}
+            identification::Verdict::Rejected => self.belief.windows_rejected += 1,
             // A robot that rests for the watch teaches nothing on its way there.
-            Verdict::Closed(_) if self.watch.rests() => {}
-            Verdict::Closed(samples) => {
+            identification::Verdict::Closed(_) if self.watch.rests() => {}
+            identification::Verdict::Closed(samples) => {
                 observer.on_samples(&self.belief, &samples, start);
                 self.belief.update(&samples, start, end.taken);
             }
@@ -179,6 +234,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Follows the task as observed.
     fn follow_task(&mut self, observation: &Observation, events: &mut Events) {
         let Some(task) = &self.task else { return };
+        let observation =
+            self.track.filter(|_| self.fused().is_some()).map_or(*observation, |it| it.last);
         let here = observation.pose.point();
         let phase = if self.phase == Phase::Settling {
             let is_settled = self.was_at_rest(observation.taken);
@@ -187,7 +244,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             let target = self.record.target(task);
             let is_near = target.is_some_and(|target| here.distance(target) <= task.tolerance);
             let is_there = is_near && self.was_at_rest(observation.taken);
-            self.record.observe(task, observation, is_there, events)
+            self.record.observe(task, &observation, is_there, events)
         };
         if let Some(phase) = phase {
             self.phase = phase;
@@ -220,7 +277,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// Whether two poses differ by more than noise.
     fn has_moved(&self, from: Pose, to: Pose) -> bool {
-        let noise = self.watch.noise(self.settings.noise);
+        let noise = self.watch.noise(self.pose_noise());
         let (apart, turned) =
             (from.point().distance(to.point()), from.heading.minus(to.heading).abs());
         let (far, round) = (self.settings.steering.stop_radius / 2.0, STILL_TURN);

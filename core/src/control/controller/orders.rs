@@ -3,6 +3,7 @@
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::follows::Follows;
+use super::fusing;
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
@@ -71,7 +72,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         self.commands.clear();
         self.belief.link.restart_clock();
         self.track = None;
-        self.rejected = None;
+        (self.rejected, self.fusion) = (None, None);
         self.phases.clear();
         self.phase = self.phase.resumed();
         self.record.restart_clock();
@@ -114,6 +115,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if relearn || old.drive != settings.drive {
             self.watch.unlearn();
             self.healthy = None;
+        }
+        if old.method != settings.method {
+            (self.noise, self.fusion) = (fusing::noise_of(&settings), None);
         }
         let follows = Follows::redescribed(self.follows.take(), old, &settings);
         self.follows = follows.or_else(|| Follows::new(&settings));

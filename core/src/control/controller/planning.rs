@@ -25,8 +25,8 @@ const COASTS: f64 = 2.0;
 /// Part of the variance limits up to which the noise of a pose is next to nothing.
 const SMALL_NOISE: f64 = 0.01;
 
-/// Times that differ by less than this part of a slot are the same slot boundary.
-const SAME_SLOT: f64 = 1e-6;
+/// Times that differ by less than this many s are the same slot boundary.
+const SAME_BOUNDARY: f64 = 1e-6;
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// Plans the horizon that answers `request`.
@@ -53,7 +53,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             None => estimator.error_model(&self.belief, track.last.pose),
         };
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
-        let before = self.commands.at(attribution, &drive, begins - 1e-6);
+        let before = self.commands.at(attribution, &drive, begins - SAME_BOUNDARY);
         let age = request.sent - taken;
         let start = Start {
             time: begins,
@@ -98,10 +98,11 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         // Poses need not come once per slot: a plan may begin within a slot of the old one, whose decision then stands
         // already, or after many, and with them perhaps several phases, after a stall.
         let slots = ((start - old_start) / slot).max(0.0);
-        let index = (slots + SAME_SLOT) as usize;
+        let same = SAME_BOUNDARY / slot;
+        let index = (slots + same) as usize;
         let whole = index as f64;
         let within = (slots - whole).max(0.0);
-        let is_within = within > SAME_SLOT;
+        let is_within = within > same;
         let last = phases.len() - 1;
         let index = index.saturating_add(usize::from(is_within)).min(last);
         for (index, phase) in phases.iter().enumerate().take(index + 1) {

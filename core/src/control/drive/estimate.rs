@@ -26,16 +26,11 @@ impl Quantity {
     }
 
     /// Of a mixture of even distributions, each from its first to its second value with its weight.
-    pub(super) fn of(cells: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
+    pub(super) fn of(cells: impl Iterator<Item = Cell> + Clone) -> Self {
         // Weights are kept to three digits: they sum to about one.
         let sum: f64 = cells.clone().map(|(_, _, weight)| weight).sum();
+        let (mean, sd) = moments(cells.clone());
         let cells = cells.map(|(low, high, weight)| (low, high, weight / sum));
-        let mean: f64 = cells.clone().map(|(low, high, weight)| weight * (low + high) / 2.0).sum();
-        let variance = |(low, high, weight): (f64, f64, f64)| {
-            let (off, half) = ((low + high) / 2.0 - mean, (high - low) / 2.0);
-            weight * (off * off + half * half / 3.0)
-        };
-        let variance: f64 = cells.clone().map(variance).sum();
         let quantile = |p: f64| {
             let below = |x: f64| -> f64 {
                 let part = |low: f64, high: f64| {
@@ -56,8 +51,23 @@ impl Quantity {
             }
             (low + high) / 2.0
         };
-        Self { mean, sd: variance.sqrt(), interval: (quantile(TAIL), quantile(1.0 - TAIL)) }
+        Self { mean, sd, interval: (quantile(TAIL), quantile(1.0 - TAIL)) }
     }
+}
+
+/// An even distribution from the first to the second value, and its weight.
+pub(super) type Cell = (f64, f64, f64);
+
+/// Mean and standard deviation of a mixture.
+pub(super) fn moments(cells: impl Iterator<Item = Cell> + Clone) -> (f64, f64) {
+    let sum: f64 = cells.clone().map(|(_, _, weight)| weight).sum();
+    let cells = cells.map(|(low, high, weight)| (low, high, weight / sum));
+    let mean: f64 = cells.clone().map(|(low, high, weight)| weight * (low + high) / 2.0).sum();
+    let variance = |(low, high, weight): Cell| {
+        let (off, half) = ((low + high) / 2.0 - mean, (high - low) / 2.0);
+        weight * (off * off + half * half / 3.0)
+    };
+    (mean, cells.map(variance).sum::<f64>().sqrt())
 }
 
 /// By how much motion differs from what was commanded.

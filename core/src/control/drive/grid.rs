@@ -1,7 +1,7 @@
 //! Hypotheses of dead time and lag: a grid over their sum and the part of it that is lag, each with its weight.
 
 use super::axis::{Axis, interpolated};
-use super::estimate::Quantity;
+use super::estimate::{Cell, Quantity, moments};
 use serde::{Deserialize, Serialize};
 
 /// Median of the prior of the sum of dead time and lag in s; 95 % lie within 0.044 to 0.38 s.
@@ -175,10 +175,20 @@ impl Grid {
     /// The sum of dead time and lag in s.
     pub fn sum(&self) -> Quantity {
         let sums = self.of_sums();
-        Quantity::of(sums.iter().enumerate().map(|(index, weight)| {
+        Quantity::of(self.cells(&sums))
+    }
+
+    /// Mean and standard deviation of the sum in s.
+    pub fn sum_moments(&self) -> (f64, f64) {
+        let sums = self.of_sums();
+        moments(self.cells(&sums))
+    }
+
+    fn cells<'a>(&'a self, sums: &'a [f64]) -> impl Iterator<Item = Cell> + Clone + 'a {
+        sums.iter().enumerate().map(|(index, weight)| {
             let (low, high) = self.sums.cell(index);
             (low, high, *weight)
-        }))
+        })
     }
 
     /// The lag in s.
@@ -208,7 +218,7 @@ impl Grid {
     pub fn expected(&self) -> (f64, f64) {
         let weights: f64 = self.weights.iter().sum();
         let share = self.alive().map(|it| it.weight * it.share).sum::<f64>() / weights;
-        let sum = self.sum().mean;
+        let (sum, _) = self.sum_moments();
         (sum * (1.0 - share), sum * share)
     }
 }

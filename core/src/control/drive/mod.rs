@@ -241,6 +241,11 @@ impl DriveBelief {
         (self.stretches > 0).then(|| self.grid.expected())
     }
 
+    /// Standard deviation in s of the sum of both.
+    pub fn late_sd(&self) -> f64 {
+        self.grid.sum_moments().1
+    }
+
     /// As it is shown.
     pub fn estimate(&self) -> DriveEstimate {
         DriveEstimate {

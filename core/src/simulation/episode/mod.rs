@@ -20,6 +20,9 @@ use crate::task::{Stage, Task};
 use crate::time::RobotTime;
 use on_the_way::{ON_THEIR_WAY, Packets, Queue};
 
+/// Default time in s between poses: one per slot.
+pub const FRAME: f64 = SLOT;
+
 /// Default longest simulated time of an episode in s.
 pub const TIME_LIMIT: f64 = 300.0;
 
@@ -38,6 +41,8 @@ pub struct Scenario {
     pub start: Pose,
     /// A part of the room where floor or link are different.
     pub region: Option<Region>,
+    /// Time in s between the poses that its camera takes.
+    pub frame: f64,
     /// Simulated time in s after which the episode ends whatever the robot does.
     pub time_limit: f64,
 }
@@ -259,7 +264,7 @@ impl<'a, E: PoseEstimator, D: DelayModel, F: PathFollower> World<'a, E, D, F> {
 
     /// Goes on to the next moment at which something happens, and lets it happen.
     fn next(&mut self, observer: &mut impl SampleObserver) {
-        let frame = self.frames as f64 * SLOT;
+        let frame = self.frames as f64 * self.scenario.frame;
         let packet = least(self.upward.arrivals.first, self.downward.arrivals.first);
         let request = self.exchange.next_request(RobotTime::new(self.now));
         let robot = self.actuation.next_change().earlier(request).seconds();

@@ -16,6 +16,7 @@ fn scenario(link: LinkModel, floor: Slip, slots: usize) -> Scenario {
         task: Task::thesis(),
         start: Pose::default(),
         region: None,
+        frame: crate::episode::FRAME,
         time_limit: TIME_LIMIT,
     }
 }

@@ -5,6 +5,7 @@ use super::follows::Follows;
 use super::plan::Phase;
 use super::record::Record;
 use crate::drive::{DriveBelief, DriveEstimate};
+use crate::fusion::NoiseBelief;
 use crate::identification::Belief;
 use crate::identification::estimate::Estimates;
 use crate::settings::Settings;
@@ -26,6 +27,9 @@ pub struct Saved {
     /// How late the drive follows; left out where that is described.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) drive: Option<Arc<DriveBelief>>,
+    /// How noisy poses are; left out where that does not matter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) noise: Option<Box<NoiseBelief>>,
 }
 
 impl Saved {
@@ -42,6 +46,11 @@ impl Saved {
     /// What is believed of how late the drive follows; none where that is described.
     pub fn drive_estimate(&self) -> Option<DriveEstimate> {
         Some(self.drive.as_ref()?.estimate())
+    }
+
+    /// What is believed of the noise of poses; none where that does not matter.
+    pub fn noise_belief(&self) -> Option<&NoiseBelief> {
+        self.noise.as_deref()
     }
 
     /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,
@@ -82,7 +91,8 @@ impl Controller {
         belief.link.restart_clock();
         record.restart_clock();
         let drive = self.follows.as_ref().map(|follows| Arc::clone(follows.belief()));
-        Saved { belief, phase: self.phase.resumed(), record, watch: self.watch.kept(), drive }
+        let (phase, watch, noise) = (self.phase.resumed(), self.watch.kept(), self.noise.clone());
+        Saved { belief, phase, record, watch, drive, noise }
     }
 
     /// A controller that goes on where another one was when `saved` was taken, the robot's clock counting anew as
@@ -98,7 +108,7 @@ impl Controller {
         saved: Saved,
     ) -> Option<Self> {
         saved.fits(&settings, task.as_ref()).then(|| {
-            let Saved { belief, phase, record, watch, drive } = saved;
+            let Saved { belief, phase, record, watch, drive, noise } = saved;
             let watch = Watch::restored(watch);
             let trace = matches!(phase, Phase::Checking { .. })
                 .then(|| Self::trace_of(&settings, task.as_ref()))
@@ -122,6 +132,9 @@ impl Controller {
             };
             if let (Some(follows), Some(belief)) = (&mut restored.follows, drive) {
                 *follows = Follows::of(belief);
+            }
+            if let (Some(belief), Some(noise)) = (&mut restored.noise, noise) {
+                *belief = noise;
             }
             restored.act();
             restored

@@ -1,0 +1,173 @@
+//! Where the robot is by all poses, for the method that fuses them: what its commands predict goes in from here.
+
+use super::compensation::{DelayModel, PathFollower, PoseEstimator};
+use super::{Controller, Track};
+use crate::exchange::{Observation, PoseNoise};
+use crate::fusion::{self, Fusion, Moved, NoiseBelief, Reach, Verdict};
+use crate::geometry::{Displacement, Pose, WheelSpeeds};
+use crate::kinematics;
+use crate::prediction::{ERROR_WINDOW, ErrorModel, Moments, Motion, Pieces};
+use crate::settings::{Method, Settings};
+use crate::time::RobotTime;
+use nalgebra::Matrix3;
+
+/// Longest time in s for which a pose may be on its way beside a newer one: later it says nothing of now.
+const LATEST: f64 = 0.5;
+
+/// A gap between poses in s, beyond which their noise is not compared.
+const MAX_GAP: f64 = 0.5;
+
+/// Part of the track that the tracked point may lie off the middle, whose way a turn is.
+const OFF_MIDDLE: f64 = 0.05;
+
+/// Part of a motion in m that becomes a turn in rad on one track width.
+const DRIFTS: f64 = 0.1;
+
+impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
+    /// What is believed of the noise of poses; none where they are taken as they are observed.
+    pub fn noise_belief(&self) -> Option<&NoiseBelief> {
+        self.noise.as_deref()
+    }
+
+    /// Where the robot is by all poses; none where they are taken as they are observed.
+    pub(super) fn fused(&self) -> Option<Pose> {
+        Some(self.fusion.as_ref()?.pose().mean)
+    }
+
+    /// The noise of poses: as described, or as it is identified where it is not.
+    pub(super) fn pose_noise(&self) -> PoseNoise {
+        match &self.noise {
+            Some(belief) if self.settings.identifies_noise => belief.noise(),
+            _ => self.settings.noise,
+        }
+    }
+
+    /// The covariance of an observed pose.
+    fn noise_covariance(&self) -> Matrix3<f64> {
+        let [x, y, heading] = match &self.noise {
+            Some(belief) if self.settings.identifies_noise => belief.variances(),
+            _ => {
+                let PoseNoise { position, heading } = self.watch.noise(self.settings.noise);
+                let least = fusion::LEAST_NOISE;
+                let position = position.max(least.position).powi(2);
+                [position, position, heading.max(least.heading).powi(2)]
+            }
+        };
+        Matrix3::from_diagonal(&[x, y, heading].into())
+    }
+
+    /// Poses begin anew with this one.
+    pub(super) fn begin_fusion(&mut self, observation: &Observation) {
+        if let Some(belief) = &mut self.noise {
+            belief.begin();
+            self.fusion = Some(Fusion::new(observation.pose, &self.noise_covariance()));
+        }
+    }
+
+    /// Fuses a pose with where the robot was at the last one and what was commanded since. None where poses are taken as they
+    /// are observed.
+    pub(super) fn fuse(&mut self, track: &Track, observation: &Observation) -> Option<Verdict> {
+        self.noise.as_ref()?;
+        let noise = self.noise_covariance();
+        let mut fusion = self.fusion.take().unwrap_or_else(|| Fusion::new(track.last.pose, &noise));
+        let (from, taken) = (track.last.taken, observation.taken);
+        let (moved, motion) = self.moved(from, taken, track.wheels);
+        let span = taken - from;
+        let drive = &self.settings.drive;
+        let reach = Reach { far: drive.max_linear * span, round: drive.max_angular * span };
+        let verdict = fusion.observe(&moved, reach, span, observation.pose, &noise);
+        if verdict == Verdict::Accepted {
+            self.learn_noise(track, observation, &moved, motion);
+        }
+        self.fusion = Some(fusion);
+        Some(verdict)
+    }
+
+    /// Takes in a pose that was taken before the newest one, at its time.
+    pub(super) fn observe_late(&mut self, track: &Track, observation: &Observation) {
+        let (taken, newest) = (observation.taken, track.last.taken);
+        let Some(mut fusion) = self.fusion.take() else { return };
+        if newest - taken <= LATEST && taken < newest && taken != track.seen.taken {
+            let Settings { drive, attribution, .. } = &self.acting;
+            let wheels = self.commands.at(*attribution, drive, taken - drive.dead_time);
+            let (moved, _) = self.moved(taken, newest, wheels);
+            fusion.observe_late(&moved, observation.pose, &self.noise_covariance());
+        }
+        self.fusion = Some(fusion);
+        if let (Some(pose), Some(track)) = (self.fused(), &mut self.track) {
+            track.last.pose = pose;
+        }
+    }
+
+    /// How the robot has moved by its commands, `wheels` being what they did at first; and what was commanded.
+    fn moved(&self, from: RobotTime, until: RobotTime, wheels: WheelSpeeds) -> (Moved, Motion) {
+        let drive = &self.acting.drive;
+        let (mut moments, model) =
+            (Moments::new(Pose::default(), PoseNoise::NONE), self.error_model());
+        let (mut pieces, mut motion) = (Pieces::gathered(), Motion::NONE);
+        let mut now = wheels;
+        let mut advance = |piece: Motion| {
+            moments.advance(&model, piece);
+            motion = motion.then(piece);
+        };
+        self.walk(from, until, |speeds, duration| {
+            let (end, twist) = kinematics::travel(drive, now, speeds, duration);
+            if let Some(piece) = pieces.add(self.watch.floors().moving(twist), duration) {
+                advance(piece);
+            }
+            now = end;
+        });
+        if let Some(piece) = pieces.rest() {
+            advance(piece);
+        }
+        let mean = moments.mean();
+        let by = Displacement { forward: mean.x, lateral: mean.y, turn: mean.heading.radians() };
+        // Motion begins and ends earlier or later than it is known to.
+        let late = self.follows.as_ref().map_or(0.0, |follows| follows.late_sd());
+        let [before, after] = [wheels, now].map(|speeds| kinematics::forward(drive, speeds));
+        let off = [after.linear - before.linear, 0.0, after.angular - before.angular];
+        let off = off.map(|change| (late * change).powi(2));
+        let covariance = moments.covariance() + Matrix3::from_diagonal(&off.into());
+        (Moved { by, covariance }, motion)
+    }
+
+    /// The errors to reckon with.
+    fn error_model(&self) -> ErrorModel {
+        match self.scaled_belief() {
+            Some(drive) => self.belief.model_of(&drive.scale(), &drive.scale_sd()),
+            None => self.belief.model(),
+        }
+    }
+
+    /// Learns how noisy poses are from an accepted one.
+    fn learn_noise(
+        &mut self,
+        track: &Track,
+        observation: &Observation,
+        moved: &Moved,
+        motion: Motion,
+    ) {
+        let Some(belief) = &mut self.noise else { return };
+        if observation.taken - track.seen.taken > MAX_GAP {
+            belief.begin();
+            return;
+        }
+        let expected = track.seen.pose.then(track.unseen.then(moved.by));
+        let Pose { x, y, heading } = observation.pose;
+        let off = [x - expected.x, y - expected.y, heading.minus(expected.heading)];
+        let track_width = self.settings.drive.track_width;
+        let aside = OFF_MIDDLE * track_width;
+        let drift = DRIFTS / track_width;
+        let Motion { length_power, turn_power, .. } = motion;
+        let power = [
+            ERROR_WINDOW * (length_power + aside * aside * turn_power),
+            ERROR_WINDOW * (turn_power + drift * drift * length_power),
+        ];
+        belief.push(&fusion::Step { off, power });
+    }
+}
+
+/// What is believed of the noise of poses at first, where they are fused.
+pub(super) fn noise_of(settings: &Settings) -> Option<Box<NoiseBelief>> {
+    (settings.method == Method::Adaptive).then(Box::default)
+}

@@ -1,0 +1,286 @@
+//! Where the robot is: observed poses fused with what its commands predict (eq. 3 of the thesis), though some poses lie.
+//!
+//! Trackers flip headings, lose the robot, correct their map. No fixed angle tells such a pose from a robot that slipped:
+//! its likelihood does. Every pose is explained by each of a few hypotheses of where the robot is, in one of four ways: it
+//! moved as commanded, give or take what is known of drive and floor; it moved otherwise, as far as it can; the heading is
+//! wrong; or all of the pose is. A pose that is wrong by the best hypothesis begins another one, in which that pose
+//! is right and those before were wrong. Poses that go on to agree with it make it the likelier one after some tenths of a
+//! second; and where poses of two minds alternate, how the positions move on decides between them.
+
+mod gaussian;
+mod noise;
+
+pub use gaussian::{Gaussian, Moved, Updated};
+pub use noise::{Identified, LEAST_NOISE, NoiseBelief, Step};
+
+use crate::geometry::Pose;
+use arrayvec::ArrayVec;
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::{LN_2, PI, TAU};
+
+/// Hypotheses at once: where the robot is, where else it may be, and one that may have to go.
+const MOST: usize = 3;
+
+/// A pose out of so many shows a motion other than commanded: a wheel that stands, a push.
+const OTHERWISE: f64 = 0.05;
+
+/// A pose out of so many has a wrong heading, and another one is altogether wrong, where the one before was right.
+const WRONG: f64 = 0.01;
+
+/// Of wrong poses so many are about where the last wrong one was.
+const AGAIN: f64 = 0.9;
+
+/// Time in s for which a tracker that went wrong stays so.
+const STAYS_WRONG: f64 = 0.15;
+
+/// Least probability that the pose after a wrong one is wrong.
+const LEAST_WRONG: f64 = 0.5;
+
+/// Radius in m within which a wrong pose is anywhere.
+const ANYWHERE: f64 = 5.0;
+
+/// Probability that with a wrong pose those before were wrong, or the robot was carried.
+const ANOTHER: f64 = 2.5e-3;
+
+/// Times as likely as the hypothesis that was gone by another one has to be.
+const LIKELIER: f64 = 2.0;
+
+/// A hypothesis that is less likely by this is given up.
+const GIVEN_UP: f64 = 1e-9;
+
+/// Share of a pose in what is known of how well motion is predicted: some ten poses.
+const SHARE: f64 = 0.1;
+
+/// Variances that a pose may lie off by, in parts of what is expected, and count.
+const MOST_SURPRISE: f64 = 9.0;
+
+/// What an observed pose is to the robot's controller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// It shows where the robot is.
+    Accepted,
+    /// It lies this far in m from where the robot is.
+    SetAside {
+        /// Distance in m.
+        distance: f64,
+    },
+    /// Poses that were set aside so far are those that show where the robot is.
+    Again,
+}
+
+/// How a robot can move in the time between two poses, whatever is commanded: standard deviations in m and rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// In m, either way.
+    pub far: f64,
+    /// In rad.
+    pub round: f64,
+}
+
+/// One hypothesis of where the robot is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Hypothesis {
+    pose: Gaussian,
+    ln_weight: f64,
+    /// How far the last pose that was wrong by it lay off: x, y in m and heading in rad.
+    wrong: Option<Vector3<f64>>,
+    /// Whether that was the last of all.
+    is_wrong: bool,
+}
+
+/// Where the robot is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fusion {
+    hypotheses: ArrayVec<Hypothesis, MOST>,
+    /// The one that is gone by.
+    chosen: usize,
+    /// How far poses lie off of late against what is expected, in variances.
+    surprise: f64,
+}
+
+impl Fusion {
+    /// At an observed pose of this `noise` (covariance).
+    pub fn new(observed: Pose, noise: &Matrix3<f64>) -> Self {
+        let mut hypotheses = ArrayVec::new();
+        hypotheses.push(Hypothesis::at(observed, noise));
+        Self { hypotheses, chosen: 0, surprise: 1.0 }
+    }
+
+    /// Where the robot is, and how surely.
+    pub fn pose(&self) -> &Gaussian {
+        &self.hypotheses[self.chosen].pose
+    }
+
+    /// Whether the newest pose was the robot's.
+    pub fn is_seen(&self) -> bool {
+        !self.hypotheses[self.chosen].is_wrong
+    }
+
+    /// Takes in a pose `observed` with this `noise` (covariance) `span` s after the last one, since which the robot has `moved`
+    /// by its commands, and may have moved within `reach` otherwise.
+    pub fn observe(
+        &mut self,
+        moved: &Moved,
+        reach: Reach,
+        span: f64,
+        observed: Pose,
+        noise: &Matrix3<f64>,
+    ) -> Verdict {
+        // Where poses lie off farther than they should the motion is known less well than it seems.
+        let covariance = moved.covariance * self.surprise.max(1.0);
+        let moved = Moved { covariance, ..*moved };
+        let round = reach.round * reach.round;
+        let far = reach.far * reach.far;
+        let otherwise = Matrix3::from_diagonal(&[far, far, round].into());
+        let way = Way { moved, otherwise, span, observed, noise };
+        let before = self.hypotheses[self.chosen].pose.after(&moved).mean;
+        for (index, it) in self.hypotheses.iter_mut().enumerate() {
+            let surprise = it.explain(&way);
+            if index == self.chosen
+                && let Some(surprise) = surprise
+            {
+                let surprise = (surprise / 3.0).min(MOST_SURPRISE);
+                self.surprise += SHARE * (surprise - self.surprise);
+            }
+        }
+        self.begin_another(&way, before);
+        self.choose(before, observed)
+    }
+
+    /// Takes in a pose that was taken before the newest one, since when the robot has `moved`.
+    pub fn observe_late(&mut self, moved: &Moved, observed: Pose, noise: &Matrix3<f64>) {
+        // What it shows of now is less by what the motion since adds.
+        let now = Gaussian { mean: observed, covariance: *noise }.after(moved);
+        for it in &mut self.hypotheses {
+            if let Some(updated) = it.pose.fused(now.mean, &now.covariance)
+                && updated.surprise < MOST_SURPRISE
+            {
+                it.pose = updated.pose;
+            }
+        }
+    }
+
+    /// Begins the hypothesis that a pose is right which is wrong by the one that is gone by.
+    fn begin_another(&mut self, way: &Way, expected: Pose) {
+        let chosen = &self.hypotheses[self.chosen];
+        // Those that call it right know it already.
+        let is_new = chosen.is_wrong && self.hypotheses.iter().all(|it| it.is_wrong);
+        if !is_new {
+            return;
+        }
+        let pose = Gaussian { mean: way.observed, covariance: *way.noise };
+        let another = Hypothesis {
+            ln_weight: chosen.ln_weight + (ANOTHER / WRONG).ln(),
+            wrong: Some(pose.off(expected)),
+            is_wrong: false,
+            pose,
+        };
+        if self.hypotheses.is_full() {
+            let chosen = self.chosen;
+            let others = self.hypotheses.iter().enumerate().filter(|(index, _)| *index != chosen);
+            let least =
+                others.min_by(|(_, one), (_, other)| one.ln_weight.total_cmp(&other.ln_weight));
+            if let Some((index, _)) = least {
+                self.hypotheses[index] = another;
+            }
+        } else {
+            self.hypotheses.push(another);
+        }
+    }
+
+    fn choose(&mut self, expected: Pose, observed: Pose) -> Verdict {
+        let best = self.hypotheses.iter().map(|it| it.ln_weight).fold(f64::NEG_INFINITY, f64::max);
+        let mut verdict = None;
+        if self.hypotheses[self.chosen].ln_weight + LIKELIER.ln() < best
+            && let Some(likelier) = self.hypotheses.iter().position(|it| it.ln_weight >= best)
+        {
+            self.chosen = likelier;
+            verdict = Some(Verdict::Again);
+        }
+        let chosen = self.hypotheses[self.chosen];
+        let mut kept = ArrayVec::<Hypothesis, MOST>::new();
+        kept.push(Hypothesis { ln_weight: chosen.ln_weight - best, ..chosen });
+        for (index, it) in self.hypotheses.iter().enumerate() {
+            let ln_weight = it.ln_weight - best;
+            if index != self.chosen && ln_weight > GIVEN_UP.ln() {
+                kept.push(Hypothesis { ln_weight, ..*it });
+            }
+        }
+        (self.hypotheses, self.chosen) = (kept, 0);
+        let distance = expected.point().distance(observed.point());
+        match verdict {
+            _ if chosen.is_wrong => Verdict::SetAside { distance },
+            Some(again) => again,
+            None => Verdict::Accepted,
+        }
+    }
+}
+
+/// What hypotheses are to explain.
+struct Way<'a> {
+    moved: Moved,
+    otherwise: Matrix3<f64>,
+    span: f64,
+    observed: Pose,
+    noise: &'a Matrix3<f64>,
+}
+
+impl Hypothesis {
+    fn at(observed: Pose, noise: &Matrix3<f64>) -> Self {
+        let pose = Gaussian { mean: observed, covariance: *noise };
+        Self { pose, ln_weight: 0.0, wrong: None, is_wrong: false }
+    }
+
+    /// Explains a pose in the way that is likeliest; by how many variances it lies off where it is right.
+    fn explain(&mut self, way: &Way) -> Option<f64> {
+        let &Way { ref moved, ref otherwise, span, observed, noise } = way;
+        let expected = self.pose.after(moved);
+        // A tracker that went wrong goes on so for a while.
+        let is_wrong =
+            if self.is_wrong { (-span / STAYS_WRONG).exp().max(LEAST_WRONG) } else { 2.0 * WRONG };
+        let ln_density =
+            |it: &Option<Updated>| it.as_ref().map_or(f64::NEG_INFINITY, |it| it.ln_density);
+        let as_moved = |expected: Gaussian, noise: &Matrix3<f64>| {
+            let wide = Gaussian { covariance: expected.covariance + otherwise, ..expected };
+            let (normal, other) = (expected.fused(observed, noise), wide.fused(observed, noise));
+            let of_normal = (1.0 - OTHERWISE).ln() + ln_density(&normal);
+            let of_other = OTHERWISE.ln() + ln_density(&other);
+            let updated = if of_normal >= of_other { normal } else { other };
+            (ln_sum(of_normal, of_other), updated, normal)
+        };
+        let (likelihood, updated, normal) = as_moved(expected, noise);
+        let of_right = (1.0 - is_wrong).ln() + likelihood;
+
+        // A wrong heading is any; a wrong pose is anywhere. Or either lies off as far as when last wrong.
+        let position = expected.fused_position(observed, noise);
+        let by_heading = ln_density(&position) - TAU.ln();
+        let anywhere = -(TAU * PI * ANYWHERE * ANYWHERE).ln();
+        let fresh = ln_sum(by_heading, anywhere) - LN_2;
+        let of_wrong = match self.wrong {
+            Some(off) => {
+                let again = Gaussian { mean: expected.moved_by(off), ..expected };
+                let (again, ..) = as_moved(again, &(noise * 2.0));
+                ln_sum(AGAIN.ln() + again, (1.0 - AGAIN).ln() + fresh)
+            }
+            None => fresh,
+        };
+        let of_wrong = is_wrong.ln() + of_wrong;
+        self.ln_weight += ln_sum(of_right, of_wrong);
+        if of_right >= of_wrong {
+            self.pose = updated.map_or(expected, |it| it.pose);
+            self.is_wrong = false;
+            return normal.map(|it| it.surprise);
+        }
+        // Where the position is right it still shows where the robot is.
+        let holds = position.filter(|it| it.surprise < MOST_SURPRISE);
+        (self.wrong, self.is_wrong) = (Some(expected.off(observed)), true);
+        self.pose = holds.map_or(expected, |it| it.pose);
+        None
+    }
+}
+
+/// ln(e^a + e^b).
+fn ln_sum(a: f64, b: f64) -> f64 {
+    let (high, low) = if a > b { (a, b) } else { (b, a) };
+    if low == f64::NEG_INFINITY { high } else { high + (low - high).exp().ln_1p() }
+}
