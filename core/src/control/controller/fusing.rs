@@ -3,7 +3,7 @@
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::{Controller, Track};
 use crate::exchange::{Observation, PoseNoise};
-use crate::fusion::{self, Fusion, Moved, NoiseBelief, Reach, Verdict};
+use crate::fusion::{self, Fusion, Kind, Moved, NoiseBelief, Reach, Verdict};
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::kinematics;
 use crate::prediction::{ERROR_WINDOW, ErrorModel, Moments, Motion, Pieces};
@@ -17,11 +17,16 @@ const LATEST: f64 = 0.5;
 /// A gap between poses in s, beyond which their noise is not compared.
 const MAX_GAP: f64 = 0.5;
 
-/// Part of the track that the tracked point may lie off the middle, whose way a turn is.
-const OFF_MIDDLE: f64 = 0.05;
+/// Part of its speed by which a robot that moves steadily may be slower or faster at the next pose.
+const STEADY: f64 = 0.05;
 
-/// Part of a motion in m that becomes a turn in rad on one track width.
-const DRIFTS: f64 = 0.1;
+/// How a robot has moved by its commands.
+struct Commanded {
+    moved: Moved,
+    motion: Motion,
+    /// Whether at about the same speed all the time.
+    is_steady: bool,
+}
 
 impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// What is believed of the noise of poses; none where they are taken as they are observed.
@@ -44,16 +49,14 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
 
     /// The covariance of an observed pose.
     fn noise_covariance(&self) -> Matrix3<f64> {
-        let [x, y, heading] = match &self.noise {
-            Some(belief) if self.settings.identifies_noise => belief.variances(),
-            _ => {
-                let PoseNoise { position, heading } = self.watch.noise(self.settings.noise);
-                let least = fusion::LEAST_NOISE;
-                let position = position.max(least.position).powi(2);
-                [position, position, heading.max(least.heading).powi(2)]
-            }
+        let PoseNoise { position, heading } = match &self.noise {
+            Some(belief) if self.settings.identifies_noise => belief.noise(),
+            _ => self.watch.noise(self.settings.noise),
         };
-        Matrix3::from_diagonal(&[x, y, heading].into())
+        let least = fusion::LEAST_NOISE;
+        let position = position.max(least.position).powi(2);
+        let heading = heading.max(least.heading).powi(2);
+        Matrix3::from_diagonal(&[position, position, heading].into())
     }
 
     /// Poses begin anew with this one.
@@ -71,13 +74,13 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let noise = self.noise_covariance();
         let mut fusion = self.fusion.take().unwrap_or_else(|| Fusion::new(track.last.pose, &noise));
         let (from, taken) = (track.last.taken, observation.taken);
-        let (moved, motion) = self.moved(from, taken, track.wheels);
+        let moved = self.moved(from, taken, track.wheels);
         let span = taken - from;
         let drive = &self.settings.drive;
         let reach = Reach { far: drive.max_linear * span, round: drive.max_angular * span };
-        let verdict = fusion.observe(&moved, reach, span, observation.pose, &noise);
+        let verdict = fusion.observe(&moved.moved, reach, span, observation.pose, &noise);
         if verdict == Verdict::Accepted {
-            self.learn_noise(track, observation, &moved, motion);
+            self.learn_noise(track, observation, &moved);
         }
         self.fusion = Some(fusion);
         Some(verdict)
@@ -90,8 +93,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if newest - taken <= LATEST && taken < newest && taken != track.seen.taken {
             let Settings { drive, attribution, .. } = &self.acting;
             let wheels = self.commands.at(*attribution, drive, taken - drive.dead_time);
-            let (moved, _) = self.moved(taken, newest, wheels);
-            fusion.observe_late(&moved, observation.pose, &self.noise_covariance());
+            let moved = self.moved(taken, newest, wheels);
+            fusion.observe_late(&moved.moved, observation.pose, &self.noise_covariance());
         }
         self.fusion = Some(fusion);
         if let (Some(pose), Some(track)) = (self.fused(), &mut self.track) {
@@ -99,8 +102,8 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
     }
 
-    /// How the robot has moved by its commands, `wheels` being what they did at first; and what was commanded.
-    fn moved(&self, from: RobotTime, until: RobotTime, wheels: WheelSpeeds) -> (Moved, Motion) {
+    /// How the robot has moved by its commands, `wheels` being what they did at first.
+    fn moved(&self, from: RobotTime, until: RobotTime, wheels: WheelSpeeds) -> Commanded {
         let drive = &self.acting.drive;
         let (mut moments, model) =
             (Moments::new(Pose::default(), PoseNoise::NONE), self.error_model());
@@ -128,7 +131,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let off = [after.linear - before.linear, 0.0, after.angular - before.angular];
         let off = off.map(|change| (late * change).powi(2));
         let covariance = moments.covariance() + Matrix3::from_diagonal(&off.into());
-        (Moved { by, covariance }, motion)
+        let is_steady = (after.linear - before.linear).abs() <= STEADY * after.linear.abs()
+            && (after.angular - before.angular).abs() <= STEADY * after.angular.abs();
+        Commanded { moved: Moved { by, covariance }, motion, is_steady }
     }
 
     /// The errors to reckon with.
@@ -140,30 +145,30 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     }
 
     /// Learns how noisy poses are from an accepted one.
-    fn learn_noise(
-        &mut self,
-        track: &Track,
-        observation: &Observation,
-        moved: &Moved,
-        motion: Motion,
-    ) {
+    fn learn_noise(&mut self, track: &Track, observation: &Observation, moved: &Commanded) {
         let Some(belief) = &mut self.noise else { return };
         if observation.taken - track.seen.taken > MAX_GAP {
             belief.begin();
             return;
         }
-        let expected = track.seen.pose.then(track.unseen.then(moved.by));
-        let Pose { x, y, heading } = observation.pose;
-        let off = [x - expected.x, y - expected.y, heading.minus(expected.heading)];
-        let track_width = self.settings.drive.track_width;
-        let aside = OFF_MIDDLE * track_width;
-        let drift = DRIFTS / track_width;
-        let Motion { length_power, turn_power, .. } = motion;
-        let power = [
-            ERROR_WINDOW * (length_power + aside * aside * turn_power),
-            ERROR_WINDOW * (turn_power + drift * drift * length_power),
-        ];
-        belief.push(&fusion::Step { off, power });
+        let by = track.unseen.then(moved.moved.by);
+        let expected = track.seen.pose.then(by);
+        let Displacement { forward, lateral, turn } = observation.pose.relative_to(expected);
+        let off = [forward, lateral, turn];
+        let half = self.settings.drive.track_width / 2.0;
+        let Motion { length_power, turn_power, .. } = moved.motion;
+        let round = half * half * turn_power;
+        let kind = if length_power + round == 0.0 {
+            Kind::Rest
+        } else if !moved.is_steady {
+            Kind::Unsteady
+        } else if length_power > round {
+            Kind::Drive
+        } else {
+            Kind::Turn
+        };
+        let power = ERROR_WINDOW * (length_power + round);
+        belief.push(&fusion::Step { off, turn: by.turn, kind, power });
     }
 }
 

@@ -11,7 +11,7 @@ mod gaussian;
 mod noise;
 
 pub use gaussian::{Gaussian, Moved, Updated};
-pub use noise::{Identified, LEAST_NOISE, NoiseBelief, Step};
+pub use noise::{Identified, Kind, LEAST_NOISE, NoiseBelief, Step};
 
 use crate::geometry::Pose;
 use arrayvec::ArrayVec;

@@ -11,12 +11,18 @@ use crate::exchange::PoseNoise;
 use crate::identification::estimate::NORMAL_HALF_WIDTH;
 use serde::{Deserialize, Serialize};
 
-/// Ratios of the variance that a walk gains per unit of commanded motion to that of the noise, a decade apart.
-const RATIOS: usize = 9;
+/// Ratios of the variance that a walk gains per unit of commanded motion to that of the noise, half a decade apart.
+const RATIOS: usize = 17;
 
-/// The least ratio: of a position, in 1/m^2, and of a heading, in 1/rad^2. Errors of 0.3 % of the motion in 100 ms with 10 mm
-/// or 30 mrad.
-const LEAST_RATIO: (f64, f64) = (0.1, 0.01);
+/// The least ratio: of a position in 1/m^2, where errors of 0.3 % of the motion in 100 ms are seen with 10 mm; of a heading on
+/// the way of a wheel in 1/m^2, with 0.1 rad.
+const LEAST_RATIO: [f64; 2] = [0.1, 1.0];
+
+/// A ratio to the one before.
+const RATIO: f64 = 3.162_277_660_168_379_5;
+
+/// Steps between two of them in which their evidence is interpolated.
+const FINER: usize = 4;
 
 /// Degrees of freedom of the prior: next to nothing is known, a second of poses outweighs it.
 const DEGREES: f64 = 0.5;
@@ -33,92 +39,165 @@ const KEPT: f64 = 200.0;
 /// Poses of a robot at rest from which on they say something.
 const ENOUGH: f64 = 10.0;
 
+/// Poses after which a noise is computed anew, once there are many.
+const SOME: u32 = 16;
+
 /// What a noise is at least: no tracker is exact.
 pub const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
 
 /// A noise as it is identified: standard deviations in m or rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Identified {
-    /// Root of the expected variance.
+    /// The standard deviation that is as likely more as less.
     pub sd: f64,
     /// Its 90 % interval, as likely below as above.
     pub interval: (f64, f64),
+    /// How many poses that is worth.
+    pub poses: f64,
+}
+
+/// How a robot moved between two poses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Not at all.
+    Rest,
+    /// It drove, straight on or along a curve.
+    Drive,
+    /// It turned in place.
+    Turn,
+    /// It became faster or slower: how late it follows is not known well enough.
+    Unsteady,
 }
 
 /// What one pose after another adds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// How far the pose lies from where the pose before it and the commands lead: x, y in m and heading in rad.
+    /// How far the pose lies from where the pose before it and the commands lead: forward, lateral in m and turn in rad.
     pub off: [f64; 3],
-    /// Commanded motion in m^2 and rad^2 that a ratio's variance over 100 ms is multiplied with; zero at rest.
-    pub power: [f64; 2],
+    /// The turn commanded between them in rad.
+    pub turn: f64,
+    /// What kind of motion that was.
+    pub kind: Kind,
+    /// What of the motion a ratio's variance over 100 ms is multiplied with, in m^2: that of the wheels.
+    pub power: f64,
 }
 
-/// What is believed of the noise of poses: of x, y and heading.
+/// What is believed of the noise of poses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "[Kept; 3]", into = "[Kept; 3]")]
-pub struct NoiseBelief([Axis; 3]);
+#[serde(from = "Kept", into = "Kept")]
+pub struct NoiseBelief {
+    /// Forward, lateral and turn, of a driving robot and of one that turns in place: floors treat them each in its way.
+    banks: [[Bank; 3]; 2],
+    /// The kind of motion under way.
+    kind: Kind,
+    /// Sums of squares of the differences of poses at rest, of position and heading, and their number.
+    resting: [(f64, f64); 2],
+    /// Position and heading, and after how many more poses they are computed anew.
+    identified: [Identified; 2],
+    due: u32,
+}
 
 impl Default for NoiseBelief {
     fn default() -> Self {
-        let PoseNoise { position, heading } = PoseNoise::CAMERA;
-        Self([Axis::new(position), Axis::new(position), Axis::new(heading)])
+        let bank = Bank { filters: [Filter::NEW; RATIOS], poses: 0.0 };
+        let mut new = Self {
+            banks: [[bank; 3]; 2],
+            kind: Kind::Rest,
+            resting: [(0.0, 0.0); 2],
+            identified: [Identified { sd: 0.0, interval: (0.0, 0.0), poses: 0.0 }; 2],
+            due: 0,
+        };
+        new.identify();
+        new
     }
 }
 
 impl NoiseBelief {
     /// Takes in a pose.
     pub fn push(&mut self, step: &Step) {
-        let [position, heading] = step.power;
-        let by = [(position, LEAST_RATIO.0), (position, LEAST_RATIO.0), (heading, LEAST_RATIO.1)];
-        for ((axis, off), (power, ratio)) in self.0.iter_mut().zip(step.off).zip(by) {
-            if position == 0.0 && heading == 0.0 {
-                axis.rest(off);
-            } else {
-                axis.push(off, ratio * power);
-            }
+        if step.kind != self.kind && step.kind != Kind::Rest {
+            self.begin();
+        }
+        let banks = match step.kind {
+            Kind::Unsteady => return self.begin(),
+            Kind::Rest => return self.rest(step),
+            Kind::Drive => &mut self.banks[0],
+            Kind::Turn => &mut self.banks[1],
+        };
+        let [of_position, of_heading] = LEAST_RATIO;
+        let gained = [of_position, of_position, of_heading].map(|it| it * step.power);
+        // What lay ahead lies aside after a turn.
+        let (sin, cos) = step.turn.sin_cos();
+        for index in 0..RATIOS {
+            let [ahead, aside] = [0, 1].map(|axis| banks[axis].filters[index].mean);
+            banks[0].filters[index].mean = cos * ahead + sin * aside;
+            banks[1].filters[index].mean = cos * aside - sin * ahead;
+        }
+        for ((bank, off), gained) in banks.iter_mut().zip(step.off).zip(gained) {
+            bank.push(off, gained);
+        }
+        self.kind = step.kind;
+        self.due = self.due.saturating_sub(1);
+        if self.due == 0 {
+            self.identify();
+        }
+    }
+
+    fn rest(&mut self, step: &Step) {
+        self.begin();
+        let [ahead, aside, around] = step.off.map(|off| off * off / 2.0);
+        for ((square, count), off) in
+            self.resting.iter_mut().zip([f64::midpoint(ahead, aside), around])
+        {
+            *square = *square * STAYS + off;
+            *count = *count * STAYS + 1.0;
         }
     }
 
     /// Poses begin anew.
     pub fn begin(&mut self) {
-        self.0.iter_mut().for_each(Axis::begin);
+        self.kind = Kind::Rest;
+        self.banks.iter_mut().flatten().for_each(Bank::begin);
     }
 
-    /// The noise of x, y and heading.
-    pub fn identified(&self) -> [Identified; 3] {
-        [0, 1, 2].map(|index| self.0[index].identified())
+    /// Computes both anew.
+    fn identify(&mut self) {
+        let PoseNoise { position, heading } = PoseNoise::CAMERA;
+        let [driving, turning] = &self.banks;
+        let of_position = [&driving[0], &driving[1], &turning[0], &turning[1]];
+        let of_heading = [&driving[2], &turning[2]];
+        self.identified = [
+            identified(&of_position.map(|bank| bank.belief(position * position))),
+            identified(&of_heading.map(|bank| bank.belief(heading * heading))),
+        ];
+        let poses = self.identified[0].poses;
+        self.due = if poses < f64::from(4 * SOME) { 1 } else { SOME };
     }
 
-    /// Poses of a moving robot that it rests on.
-    pub fn poses(&self) -> f64 {
-        self.0[0].poses
+    /// The noise of positions and of headings.
+    pub fn identified(&self) -> [Identified; 2] {
+        self.identified
     }
 
-    /// The noise of a pose to reckon with: variances of x, y and heading.
-    pub fn variances(&self) -> [f64; 3] {
-        let [position, heading] = [LEAST_NOISE.position, LEAST_NOISE.heading];
-        let least = [position, position, heading];
-        [0, 1, 2].map(|index| self.0[index].variance().max(least[index] * least[index]))
-    }
-
-    /// The same, as it is described.
+    /// The noise of a pose to reckon with: that of a moving robot, or of one at rest where that is surely more.
     pub fn noise(&self) -> PoseNoise {
-        let [x, y, heading] = self.variances();
-        PoseNoise { position: f64::midpoint(x, y).sqrt(), heading: heading.sqrt() }
+        let least = [LEAST_NOISE.position, LEAST_NOISE.heading];
+        let [position, heading] = [0, 1].map(|index| {
+            let (square, count) = self.resting[index];
+            let surely = 1.0 - 2.0 * (2.0 / count.max(ENOUGH)).sqrt();
+            let resting = if count >= ENOUGH { surely * square / count } else { 0.0 };
+            self.identified[index].sd.max(resting.sqrt()).max(least[index])
+        });
+        PoseNoise { position, heading }
     }
 }
 
-/// One axis of a pose.
+/// One axis of poses in one kind of motion: a filter for each ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Axis {
+struct Bank {
     filters: [Filter; RATIOS],
     /// Poses taken in.
     poses: f64,
-    /// Variance that is expected before any.
-    prior: f64,
-    /// Sum of squares of the differences of poses at rest, and their number.
-    resting: (f64, f64),
 }
 
 /// The filter of one ratio.
@@ -156,25 +235,13 @@ impl Filter {
     }
 }
 
-impl Axis {
-    fn new(sd: f64) -> Self {
-        Self { filters: [Filter::NEW; RATIOS], poses: 0.0, prior: sd * sd, resting: (0.0, 0.0) }
-    }
-
+impl Bank {
     fn push(&mut self, off: f64, least: f64) {
         self.poses = self.poses * STAYS + 1.0;
         let mut gained = least;
         for filter in &mut self.filters {
             filter.learn(off, gained, STAYS);
-            gained *= 10.0;
-        }
-    }
-
-    fn rest(&mut self, off: f64) {
-        let (square, count) = self.resting;
-        self.resting = (square * STAYS + off * off / 2.0, count * STAYS + 1.0);
-        for filter in &mut self.filters {
-            filter.step(off, 0.0);
+            gained *= RATIO;
         }
     }
 
@@ -184,73 +251,88 @@ impl Axis {
         }
     }
 
-    /// Variance of the noise by each ratio, and how likely that is.
-    fn weighted(&self) -> [(f64, f64); RATIOS] {
+    /// Mean and variance of the logarithm of the noise's variance, which is expected to be `prior`: those of scaled inverse
+    /// chi-squared for each ratio, by the evidence of each. Between the ratios the sums are interpolated: they change little
+    /// from one to the next.
+    fn belief(&self, prior: f64) -> (f64, f64) {
         let degrees = DEGREES + self.poses;
-        let squares = |filter: &Filter| DEGREES * self.prior + filter.square;
-        let ln_evidence =
-            self.filters.map(|it| -0.5 * (it.ln_variance + degrees * squares(&it).ln()));
-        let best = ln_evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let likely = ln_evidence.map(|it| (it - best).exp());
-        let sum: f64 = likely.iter().sum();
-        std::array::from_fn(|index| (squares(&self.filters[index]) / degrees, likely[index] / sum))
-    }
-
-    /// The variance to reckon with: that of a moving robot, or of one at rest where that is more.
-    fn variance(&self) -> f64 {
-        let moving: f64 = self.weighted().iter().map(|(variance, weight)| variance * weight).sum();
-        moving.max(self.resting())
-    }
-
-    fn resting(&self) -> f64 {
-        let (square, count) = self.resting;
-        if count >= ENOUGH { square / count } else { 0.0 }
-    }
-
-    /// By a normal distribution of the logarithm of the variance: that of scaled inverse chi-squared with n degrees of freedom
-    /// has variance 2/n, and what the ratios differ by.
-    fn identified(&self) -> Identified {
-        let weighted = self.weighted();
-        let degrees = DEGREES + self.poses;
-        let mean: f64 = weighted.iter().map(|(variance, weight)| weight * variance.ln()).sum();
-        let apart: f64 = weighted
-            .iter()
-            .map(|(variance, weight)| weight * (variance.ln() - mean) * (variance.ln() - mean))
-            .sum();
-        let half = NORMAL_HALF_WIDTH * (apart + 2.0 / degrees + 2.0 / (degrees * degrees)).sqrt();
-        let sd = |ln_variance: f64| (0.5 * ln_variance).exp();
-        Identified { sd: self.variance().sqrt(), interval: (sd(mean - half), sd(mean + half)) }
+        let at = |place: f64| {
+            let index = (place as usize).min(RATIOS - 2);
+            let part = place - index as f64;
+            let of = |value: fn(&Filter) -> f64| {
+                let ends = [-1isize, 0, 1, 2].map(|off| {
+                    let index = index.saturating_add_signed(off).min(RATIOS - 1);
+                    value(&self.filters[index])
+                });
+                cubic(ends, part)
+            };
+            let square = DEGREES * prior + of(|it| it.square).max(0.0);
+            let ln_evidence = -0.5 * (of(|it| it.ln_variance) + degrees * square.ln());
+            ((square / degrees).ln() + degrees.recip(), ln_evidence)
+        };
+        let places = (0..=(RATIOS - 1) * FINER).map(|step| at(step as f64 / FINER as f64));
+        let best = places.clone().map(|(_, ln)| ln).fold(f64::NEG_INFINITY, f64::max);
+        let mut sums = [0.0; 3];
+        for (value, ln_evidence) in places {
+            let weight = (ln_evidence - best).exp();
+            let next = [weight, weight * value, weight * value * value];
+            sums.iter_mut().zip(next).for_each(|(sum, next)| *sum += next);
+        }
+        let (mean, square) = (sums[1] / sums[0], sums[2] / sums[0]);
+        let within = 2.0 / degrees + 2.0 / (degrees * degrees);
+        (mean, (square - mean * mean).max(0.0) + within)
     }
 }
 
-/// The stored form of an axis.
+/// The noise of which several beliefs tell: normal distributions of the logarithm of its variance.
+fn identified(beliefs: &[(f64, f64)]) -> Identified {
+    let information: f64 = beliefs.iter().map(|(_, variance)| variance.recip()).sum();
+    let mean = beliefs.iter().map(|(mean, variance)| mean / variance).sum::<f64>() / information;
+    let half = NORMAL_HALF_WIDTH * information.recip().sqrt();
+    let sd = |ln_variance: f64| (0.5 * ln_variance).exp();
+    Identified {
+        sd: sd(mean),
+        interval: (sd(mean - half), sd(mean + half)),
+        poses: 2.0 * information,
+    }
+}
+
+/// A value between the two in the middle of four that are evenly apart, `part` of the way (Catmull-Rom).
+fn cubic([before, from, to, after]: [f64; 4], part: f64) -> f64 {
+    let (slope, end) = ((to - before) / 2.0, (after - from) / 2.0);
+    let apart = to - from;
+    let bend = 3.0 * apart - 2.0 * slope - end;
+    let twist = slope + end - 2.0 * apart;
+    from + part * (slope + part * (bend + part * twist))
+}
+
+/// The stored form: what is identified, and by how many poses' worth.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Kept {
-    variance: f64,
-    poses: f64,
-    resting: f64,
-    at_rest: f64,
+    position: f64,
+    heading: f64,
+    poses: [f64; 2],
 }
 
-impl From<NoiseBelief> for [Kept; 3] {
-    fn from(NoiseBelief(axes): NoiseBelief) -> Self {
-        axes.map(|axis| {
-            let variance = axis.weighted().iter().map(|(variance, weight)| variance * weight).sum();
-            let (square, count) = axis.resting;
-            Kept { variance, poses: axis.poses.min(KEPT), resting: square, at_rest: count }
-        })
+impl From<NoiseBelief> for Kept {
+    fn from(belief: NoiseBelief) -> Self {
+        let [position, heading] = belief.identified;
+        Self { position: position.sd, heading: heading.sd, poses: [position.poses, heading.poses] }
     }
 }
 
-impl From<[Kept; 3]> for NoiseBelief {
-    fn from(kept: [Kept; 3]) -> Self {
+impl From<Kept> for NoiseBelief {
+    fn from(kept: Kept) -> Self {
         let mut belief = Self::default();
-        for (axis, it) in belief.0.iter_mut().zip(kept) {
-            axis.poses = it.poses;
-            axis.resting = (it.resting, it.at_rest);
-            let square = it.variance * (DEGREES + it.poses) - DEGREES * axis.prior;
-            axis.filters.iter_mut().for_each(|filter| filter.square = square.max(0.0));
+        let [driving, _] = &mut belief.banks;
+        let of = [(0, kept.position, kept.poses[0]), (2, kept.heading, kept.poses[1])];
+        for (axis, sd, poses) in of {
+            let bank = &mut driving[axis];
+            bank.poses = poses.min(KEPT);
+            let square = bank.poses * sd * sd;
+            bank.filters.iter_mut().for_each(|filter| filter.square = square);
         }
+        belief.identify();
         belief
     }
 }
