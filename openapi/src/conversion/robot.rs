@@ -219,12 +219,14 @@ impl Description {
         let mut spec = Spec::from(&complete);
         spec.hold_derived();
         let settings = self.identify(spec.convert(complete.prior));
-        let is_adaptive = settings.method == settings::Method::Adaptive;
-        if is_adaptive && !self.says("attribution") {
-            let attribution = settings::Attribution::Played;
-            return Settings { attribution, ..settings };
+        if self.says("attribution") {
+            return settings;
         }
-        settings
+        let attribution = match settings.method {
+            settings::Method::Adaptive => settings::Attribution::Played,
+            _ => settings::Attribution::Sent,
+        };
+        Settings { attribution, ..settings }
     }
 }
 

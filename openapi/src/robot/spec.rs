@@ -119,7 +119,7 @@ pub struct Spec {
     pub noise: Noise,
     /// How its environment is identified.
     pub method: Method,
-    /// What errors are measured against; of method `adaptive` by default the commands as played.
+    /// What errors are measured against: by default the commands as played, of the methods of the thesis those as sent.
     pub attribution: Attribution,
     /// Whether the drift channel (heading per metre) is used; of method `adaptive` it always is.
     pub drift: bool,
@@ -148,8 +148,8 @@ impl Default for Spec {
         Self {
             drive: Drive::default(),
             noise: Noise::default(),
-            method: Method::Bayesian,
-            attribution: Attribution::Sent,
+            method: Method::Adaptive,
+            attribution: Attribution::Played,
             drift: false,
             horizon_slots: 40,
             loop_delay_s: 0.23,

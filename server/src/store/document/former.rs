@@ -33,6 +33,17 @@ pub(super) fn lag(content: &mut Fields) {
     }
 }
 
+/// A robot of which no method was said, nor what errors are measured against, goes on with what it had.
+pub(super) fn method(content: &mut Fields) {
+    let kept = content.get("settings").cloned().unwrap_or_default();
+    let Some(said) = fields_in(content, "said") else { return };
+    for field in ["method", "attribution"] {
+        if let Some(value) = kept.get(field) {
+            said.entry(field).or_insert_with(|| value.clone());
+        }
+    }
+}
+
 /// Only new fields, whose base says what their lack means.
 pub(crate) fn same(_: &mut Fields) {}
 

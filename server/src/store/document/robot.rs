@@ -8,10 +8,10 @@ use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 
 /// How robots are kept. Version 1 had core's names, version 2 said not what was said, in version 3 a drive of which nothing
-/// was said followed at once.
+/// was said followed at once, in version 4 the method was `bayesian` where none was said.
 pub(crate) const FORM: Form = Form {
     is_within: false,
-    upgrades: &[former::robot, former::same, former::lag],
+    upgrades: &[former::robot, former::same, former::lag, former::method],
     base: include_str!("base/robot.json"),
 };
 
