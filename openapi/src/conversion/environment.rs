@@ -2,20 +2,26 @@
 
 use super::known;
 use crate::environment::{
-    Channel, Channels, Drive, Environment, Interval, LUCK, Link, Prior, Status,
+    Channel, Channels, Drive, Environment, Interval, LUCK, Link, Noise, Prior, Status,
 };
 use umwelt_core::identification::Status as CoreStatus;
 use umwelt_core::identification::estimate::{self, LEVEL};
 
 impl Environment {
-    /// What was identified, beginning with `prior`, and how late the drive follows.
-    pub fn new(core: &estimate::Estimates, drive: Drive, prior: Prior) -> Self {
+    /// What was identified, beginning with `prior`, of the drive and of the noise of poses too.
+    pub fn new(
+        core: &estimate::Estimates,
+        drive: Drive,
+        noise: Option<Noise>,
+        prior: Prior,
+    ) -> Self {
         let [forward, lateral, turn, drift] = core.channels.map(Channel::from);
         Self {
             method: core.method.into(),
             level: LEVEL,
             channels: Channels { forward, lateral, turn, drift },
             drive: Some(drive),
+            noise,
             link: core.link.into(),
             windows_rejected: core.windows_rejected,
             poses_set_aside: core.poses_set_aside,
@@ -129,7 +135,7 @@ mod tests {
             windows_rejected: 1,
             poses_set_aside: 2,
         };
-        Environment::new(&core, given(), Prior::of(None, Source::Inline, Method::Bayesian))
+        Environment::new(&core, given(), None, Prior::of(None, Source::Inline, Method::Bayesian))
     }
 
     fn given() -> Drive {
@@ -174,7 +180,7 @@ mod tests {
         let shown = |method, rejected| {
             let belief = Belief::new(method, &CorePrior::default(), false);
             let prior = Prior::of(None, Source::Inline, method.into());
-            Environment::new(&belief.estimates(rejected), given(), prior).channels.forward
+            Environment::new(&belief.estimates(rejected), given(), None, prior).channels.forward
         };
         let stuck = shown(settings::Method::Bayesian, Some(Condition::Stuck));
         assert_eq!(

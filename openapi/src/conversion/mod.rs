@@ -5,6 +5,7 @@
 
 mod drive;
 mod environment;
+mod noise;
 #[cfg(test)]
 mod numbers;
 mod prior;

@@ -4,10 +4,12 @@
 
 mod drive;
 mod estimate;
+mod noise;
 mod scale;
 
 pub use drive::Drive;
 pub use estimate::{Estimate, Interval, Status};
+pub use noise::Noise;
 pub use scale::{Scale, Split};
 
 use crate::id::PriorId;
@@ -36,6 +38,10 @@ pub struct Environment {
     /// How late the drive follows its commands. It stays when the robot comes to another environment: a reset keeps it.
     #[serde(default)]
     pub drive: Option<Drive>,
+    /// How noisy the poses are, where the method fuses them with what the commands predict; null where it takes them as they
+    /// are.
+    #[serde(default)]
+    pub noise: Option<Noise>,
     /// The link.
     pub link: Link,
     /// Windows of motion that gave no sample because the commanded motion was not constant.

@@ -36,6 +36,9 @@ const STAYS_WRONG: f64 = 0.15;
 /// Least probability that the pose after a wrong one is wrong.
 const LEAST_WRONG: f64 = 0.5;
 
+/// Poses that are wrong alike and count.
+const MOST_ALIKE: f64 = 8.0;
+
 /// Radius in m within which a wrong pose is anywhere.
 const ANYWHERE: f64 = 5.0;
 
@@ -82,10 +85,19 @@ pub struct Reach {
 struct Hypothesis {
     pose: Gaussian,
     ln_weight: f64,
-    /// How far the last pose that was wrong by it lay off: x, y in m and heading in rad.
-    wrong: Option<Vector3<f64>>,
+    /// How far the poses that were wrong by it lay off of late.
+    wrong: Option<Wrong>,
     /// Whether that was the last of all.
     is_wrong: bool,
+}
+
+/// How far poses lie off that are wrong alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wrong {
+    /// Their mean: x, y in m and heading in rad.
+    by: Vector3<f64>,
+    /// How many count in it.
+    poses: f64,
 }
 
 /// Where the robot is.
@@ -129,10 +141,7 @@ impl Fusion {
         // Where poses lie off farther than they should the motion is known less well than it seems.
         let covariance = moved.covariance * self.surprise.max(1.0);
         let moved = Moved { covariance, ..*moved };
-        let round = reach.round * reach.round;
-        let far = reach.far * reach.far;
-        let otherwise = Matrix3::from_diagonal(&[far, far, round].into());
-        let way = Way { moved, otherwise, span, observed, noise };
+        let way = Way { moved, reach, span, observed, noise };
         let before = self.hypotheses[self.chosen].pose.after(&moved).mean;
         for (index, it) in self.hypotheses.iter_mut().enumerate() {
             let surprise = it.explain(&way);
@@ -171,7 +180,7 @@ impl Fusion {
         let pose = Gaussian { mean: way.observed, covariance: *way.noise };
         let another = Hypothesis {
             ln_weight: chosen.ln_weight + (ANOTHER / WRONG).ln(),
-            wrong: Some(pose.off(expected)),
+            wrong: Some(Wrong { by: pose.off(expected), poses: 1.0 }),
             is_wrong: false,
             pose,
         };
@@ -219,7 +228,7 @@ impl Fusion {
 /// What hypotheses are to explain.
 struct Way<'a> {
     moved: Moved,
-    otherwise: Matrix3<f64>,
+    reach: Reach,
     span: f64,
     observed: Pose,
     noise: &'a Matrix3<f64>,
@@ -233,7 +242,7 @@ impl Hypothesis {
 
     /// Explains a pose in the way that is likeliest; by how many variances it lies off where it is right.
     fn explain(&mut self, way: &Way) -> Option<f64> {
-        let &Way { ref moved, ref otherwise, span, observed, noise } = way;
+        let &Way { ref moved, reach, span, observed, noise } = way;
         let expected = self.pose.after(moved);
         // A tracker that went wrong goes on so for a while.
         let is_wrong =
@@ -241,12 +250,21 @@ impl Hypothesis {
         let ln_density =
             |it: &Option<Updated>| it.as_ref().map_or(f64::NEG_INFINITY, |it| it.ln_density);
         let as_moved = |expected: Gaussian, noise: &Matrix3<f64>| {
-            let wide = Gaussian { covariance: expected.covariance + otherwise, ..expected };
-            let (normal, other) = (expected.fused(observed, noise), wide.fused(observed, noise));
-            let of_normal = (1.0 - OTHERWISE).ln() + ln_density(&normal);
-            let of_other = OTHERWISE.ln() + ln_density(&other);
-            let updated = if of_normal >= of_other { normal } else { other };
-            (ln_sum(of_normal, of_other), updated, normal)
+            let normal = expected.fused(observed, noise);
+            let mut ln_likelihood = (1.0 - OTHERWISE).ln() + ln_density(&normal);
+            let (mut likeliest, mut updated) = (ln_likelihood, normal);
+            // It drove otherwise, turned otherwise, or both.
+            let (far, round) = (reach.far.powi(2), reach.round.powi(2));
+            for spread in [[far, far, 0.0], [0.0, 0.0, round], [far, far, round]] {
+                let covariance = expected.covariance + Matrix3::from_diagonal(&spread.into());
+                let other = Gaussian { covariance, ..expected }.fused(observed, noise);
+                let likely = (OTHERWISE / 3.0).ln() + ln_density(&other);
+                ln_likelihood = ln_sum(ln_likelihood, likely);
+                if likely > likeliest {
+                    (likeliest, updated) = (likely, other);
+                }
+            }
+            (ln_likelihood, updated, normal)
         };
         let (likelihood, updated, normal) = as_moved(expected, noise);
         let of_right = (1.0 - is_wrong).ln() + likelihood;
@@ -256,12 +274,13 @@ impl Hypothesis {
         let by_heading = ln_density(&position) - TAU.ln();
         let anywhere = -(TAU * PI * ANYWHERE * ANYWHERE).ln();
         let fresh = ln_sum(by_heading, anywhere) - LN_2;
-        let of_wrong = match self.wrong {
-            Some(off) => {
-                let again = Gaussian { mean: expected.moved_by(off), ..expected };
-                let (again, ..) = as_moved(again, &(noise * 2.0));
-                ln_sum(AGAIN.ln() + again, (1.0 - AGAIN).ln() + fresh)
-            }
+        let again = self.wrong.map(|Wrong { by, poses }| {
+            let again = Gaussian { mean: expected.moved_by(by), ..expected };
+            let (again, ..) = as_moved(again, &(noise * (1.0 + poses.recip())));
+            AGAIN.ln() + again
+        });
+        let of_wrong = match again {
+            Some(again) => ln_sum(again, (1.0 - AGAIN).ln() + fresh),
             None => fresh,
         };
         let of_wrong = is_wrong.ln() + of_wrong;
@@ -273,7 +292,12 @@ impl Hypothesis {
         }
         // Where the position is right it still shows where the robot is.
         let holds = position.filter(|it| it.surprise < MOST_SURPRISE);
-        (self.wrong, self.is_wrong) = (Some(expected.off(observed)), true);
+        let off = expected.off(observed);
+        let alike = self.wrong.filter(|_| again.is_some_and(|again| again > fresh));
+        let mut wrong = alike.unwrap_or(Wrong { by: off, poses: 0.0 });
+        wrong.poses = (wrong.poses + 1.0).min(MOST_ALIKE);
+        wrong.by += (off - wrong.by) / wrong.poses;
+        (self.wrong, self.is_wrong) = (Some(wrong), true);
         self.pose = holds.map_or(expected, |it| it.pose);
         None
     }
@@ -284,3 +308,6 @@ fn ln_sum(a: f64, b: f64) -> f64 {
     let (high, low) = if a > b { (a, b) } else { (b, a) };
     if low == f64::NEG_INFINITY { high } else { high + (low - high).exp().ln_1p() }
 }
+
+#[cfg(test)]
+mod tests;

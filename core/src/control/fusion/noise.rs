@@ -9,6 +9,7 @@
 
 use crate::exchange::PoseNoise;
 use crate::identification::estimate::NORMAL_HALF_WIDTH;
+use crate::identification::{Status, progress};
 use serde::{Deserialize, Serialize};
 
 /// Ratios of the variance that a walk gains per unit of commanded motion to that of the noise, half a decade apart.
@@ -45,8 +46,8 @@ const SOME: u32 = 16;
 /// What a noise is at least: no tracker is exact.
 pub const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
 
-/// A noise as it is identified: standard deviations in m or rad.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The noise of positions or headings as it is identified: standard deviations in m or rad.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
     /// The standard deviation that is as likely more as less.
     pub sd: f64,
@@ -82,9 +83,8 @@ pub struct Step {
     pub power: f64,
 }
 
-/// What is believed of the noise of poses.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Kept", into = "Kept")]
+/// What is believed of the noise of poses. What of it is to be kept is what is [identified](NoiseBelief::identified).
+#[derive(Clone, Debug, PartialEq)]
 pub struct NoiseBelief {
     /// Forward, lateral and turn, of a driving robot and of one that turns in place: floors treat them each in its way.
     banks: [[Bank; 3]; 2],
@@ -112,7 +112,27 @@ impl Default for NoiseBelief {
     }
 }
 
+impl Identified {
+    /// How far it has got.
+    pub fn status(&self) -> Status {
+        Status::of(progress(self.poses, DEGREES))
+    }
+}
+
 impl NoiseBelief {
+    /// Goes on from what was identified, of which the last poses count: the tracker may be another one.
+    pub fn of([position, heading]: [Identified; 2]) -> Self {
+        let mut belief = Self::default();
+        for (axis, it) in [(0, position), (2, heading)] {
+            let bank = &mut belief.banks[0][axis];
+            bank.poses = it.poses.clamp(0.0, KEPT);
+            let square = bank.poses * it.sd * it.sd;
+            bank.filters.iter_mut().for_each(|filter| filter.square = square);
+        }
+        belief.identify();
+        belief
+    }
+
     /// Takes in a pose.
     pub fn push(&mut self, step: &Step) {
         if step.kind != self.kind && step.kind != Kind::Rest {
@@ -304,35 +324,4 @@ fn cubic([before, from, to, after]: [f64; 4], part: f64) -> f64 {
     let bend = 3.0 * apart - 2.0 * slope - end;
     let twist = slope + end - 2.0 * apart;
     from + part * (slope + part * (bend + part * twist))
-}
-
-/// The stored form: what is identified, and by how many poses' worth.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Kept {
-    position: f64,
-    heading: f64,
-    poses: [f64; 2],
-}
-
-impl From<NoiseBelief> for Kept {
-    fn from(belief: NoiseBelief) -> Self {
-        let [position, heading] = belief.identified;
-        Self { position: position.sd, heading: heading.sd, poses: [position.poses, heading.poses] }
-    }
-}
-
-impl From<Kept> for NoiseBelief {
-    fn from(kept: Kept) -> Self {
-        let mut belief = Self::default();
-        let [driving, _] = &mut belief.banks;
-        let of = [(0, kept.position, kept.poses[0]), (2, kept.heading, kept.poses[1])];
-        for (axis, sd, poses) in of {
-            let bank = &mut driving[axis];
-            bank.poses = poses.min(KEPT);
-            let square = bank.poses * sd * sd;
-            bank.filters.iter_mut().for_each(|filter| filter.square = square);
-        }
-        belief.identify();
-        belief
-    }
 }

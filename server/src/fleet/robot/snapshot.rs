@@ -68,9 +68,10 @@ impl Described {
         let estimate = saved.estimates();
         let believed = saved.drive_estimate();
         let drive = environment::Drive::new(believed.as_ref(), &self.settings);
+        let noise = environment::Noise::new(saved.noise(), &self.settings);
         let name = self.prior.as_deref().and_then(|name| name.parse().ok());
         let (source, method) = (self.source.clone(), estimate.method.into());
-        Environment::new(&estimate, drive, environment::Prior::of(name, source, method))
+        Environment::new(&estimate, drive, noise, environment::Prior::of(name, source, method))
     }
 }
 

@@ -5,7 +5,7 @@ use super::follows::Follows;
 use super::plan::Phase;
 use super::record::Record;
 use crate::drive::{DriveBelief, DriveEstimate};
-use crate::fusion::NoiseBelief;
+use crate::fusion::{Identified, NoiseBelief};
 use crate::identification::Belief;
 use crate::identification::estimate::Estimates;
 use crate::settings::Settings;
@@ -29,7 +29,7 @@ pub struct Saved {
     pub(super) drive: Option<Arc<DriveBelief>>,
     /// How noisy poses are; left out where that does not matter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) noise: Option<Box<NoiseBelief>>,
+    pub(super) noise: Option<[Identified; 2]>,
 }
 
 impl Saved {
@@ -48,9 +48,9 @@ impl Saved {
         Some(self.drive.as_ref()?.estimate())
     }
 
-    /// What is believed of the noise of poses; none where that does not matter.
-    pub fn noise_belief(&self) -> Option<&NoiseBelief> {
-        self.noise.as_deref()
+    /// The noise of positions and of headings as it is identified; none where that does not matter.
+    pub fn noise(&self) -> Option<[Identified; 2]> {
+        self.noise
     }
 
     /// Whether it can have been taken under `settings` and `task`: the belief is of that method with that prior,
@@ -91,7 +91,8 @@ impl Controller {
         belief.link.restart_clock();
         record.restart_clock();
         let drive = self.follows.as_ref().map(|follows| Arc::clone(follows.belief()));
-        let (phase, watch, noise) = (self.phase.resumed(), self.watch.kept(), self.noise.clone());
+        let (phase, watch) = (self.phase.resumed(), self.watch.kept());
+        let noise = self.noise.as_ref().map(|belief| belief.identified());
         Saved { belief, phase, record, watch, drive, noise }
     }
 
@@ -134,7 +135,7 @@ impl Controller {
                 *follows = Follows::of(belief);
             }
             if let (Some(belief), Some(noise)) = (&mut restored.noise, noise) {
-                *belief = noise;
+                **belief = NoiseBelief::of(noise);
             }
             restored.act();
             restored
