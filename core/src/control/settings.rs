@@ -19,7 +19,8 @@ pub enum Method {
     Statistic,
     /// Prior and samples: the thesis's method.
     Bayesian,
-    /// The same beside the scale of the drive, which is identified by itself and by which commands are corrected.
+    /// The same with a mixture of priors, whose spread yields to samples, and beside it the scale of the drive, which is
+    /// identified by itself and by which commands are corrected.
     Adaptive,
 }
 

@@ -4,6 +4,7 @@
 
 mod beta_bernoulli;
 mod error;
+mod mixture;
 mod noisy;
 mod normal_inverse_chi_squared;
 mod special;
@@ -11,6 +12,7 @@ mod statistics;
 
 pub use beta_bernoulli::BetaBernoulli;
 pub use error::ConjugateError;
+pub use mixture::{COMPONENTS, Mixture, StudentT, Weighted, mass_below};
 pub use normal_inverse_chi_squared::NormalInverseChiSquared;
 pub use special::student_t_half_width;
 pub use statistics::SampleStatistics;

@@ -171,6 +171,21 @@ pub fn student_t_half_width(degrees: f64, level: f64) -> f64 {
     t - (t * t * t + t) / 4.0 * (1.0 / MANY_DEGREES - 1.0 / degrees)
 }
 
+/// P(T <= t) of a standard Student t with `degrees` degrees of freedom, and its density there.
+///
+/// t^2/(r + t^2) ~ Beta(1/2, r/2). Beyond `MANY_DEGREES` that many are taken, which differs by less than 1e-6.
+pub(super) fn student_t_at(degrees: f64, t: f64) -> (f64, f64) {
+    let r = degrees.min(MANY_DEGREES);
+    let density =
+        (ln_gamma_half_step(r / 2.0) - 0.5 * (PI * r).ln() - (r + 1.0) / 2.0 * (t * t / r).ln_1p())
+            .exp();
+    if t == 0.0 {
+        return (0.5, density);
+    }
+    let outside = beta_at(0.5, r / 2.0, (t * t / r).ln()).upper / 2.0;
+    (if t < 0.0 { outside } else { 1.0 - outside }, density)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

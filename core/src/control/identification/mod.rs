@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is believed of a robot's floor and link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Stored")]
 pub struct Belief {
     method: Method,
     drift: bool,
@@ -36,6 +37,29 @@ pub struct Belief {
     pub windows_rejected: u64,
     /// Poses set aside because the robot cannot have moved there.
     pub poses_set_aside: u64,
+}
+
+/// A [`Belief`] as it is stored, by this version or an earlier one.
+#[derive(Deserialize)]
+struct Stored {
+    method: Method,
+    drift: bool,
+    channels: [ChannelBelief; 4],
+    link: LinkBelief,
+    windows_rejected: u64,
+    poses_set_aside: u64,
+}
+
+impl From<Stored> for Belief {
+    fn from(stored: Stored) -> Self {
+        let Stored { method, drift, channels, link, windows_rejected, poses_set_aside } = stored;
+        // Earlier versions had one prior per channel whatever the method.
+        let channels = match method {
+            Method::Adaptive => channels.map(ChannelBelief::with_unknown_spread),
+            _ => channels,
+        };
+        Self { method, drift, channels, link, windows_rejected, poses_set_aside }
+    }
 }
 
 /// Sees what a controller learns, as it learns it.
@@ -52,11 +76,15 @@ impl SampleObserver for () {
 impl Belief {
     /// The belief before any observation.
     pub fn new(method: Method, prior: &Prior, drift: bool) -> Self {
+        let of_channel = match method {
+            Method::Adaptive => ChannelBelief::of_unknown_spread,
+            _ => ChannelBelief::new,
+        };
         let channels = [
-            ChannelBelief::new(Channel::Forward, prior.forward),
-            ChannelBelief::new(Channel::Lateral, prior.lateral),
-            ChannelBelief::new(Channel::Turn, prior.turn),
-            ChannelBelief::new(Channel::Drift, prior.drift),
+            of_channel(Channel::Forward, prior.forward),
+            of_channel(Channel::Lateral, prior.lateral),
+            of_channel(Channel::Turn, prior.turn),
+            of_channel(Channel::Drift, prior.drift),
         ];
         Self {
             method,
@@ -125,7 +153,7 @@ impl Belief {
             Method::Statistic => {
                 belief.statistic().unwrap_or_else(|| fixed::channel(&fixed::FIXED_NORMAL, channel))
             }
-            Method::Bayesian | Method::Adaptive => ChannelModel::from_posterior(belief.posterior()),
+            Method::Bayesian | Method::Adaptive => belief.model(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! What is assumed of a robot's errors.
 
-use crate::conjugate::NormalInverseChiSquared;
+use crate::conjugate::{Mixture, NormalInverseChiSquared};
 
 /// Time in s over which a ratio's variance is stated (error acquisition cycle, thesis table 1).
 pub const ERROR_WINDOW: f64 = 0.1;
@@ -39,6 +39,15 @@ impl ChannelModel {
             mean_variance: variance / posterior.k(),
             posterior: Some(posterior),
         }
+    }
+
+    /// The moments of a mixture of posteriors; [`UNSURE`] where one of them has no variance.
+    pub fn from_mixture(mixture: &Mixture) -> Self {
+        let moments = mixture.moments();
+        let posterior = moments.merged().unwrap_or_else(|| mixture.merged());
+        let variance = moments.variance.unwrap_or(UNSURE).min(UNSURE);
+        let mean_variance = moments.mean_variance.unwrap_or(variance / posterior.k());
+        Self { mean: moments.mu, variance, mean_variance, posterior: Some(posterior) }
     }
 }
 

@@ -138,12 +138,14 @@ impl<F: PathFollower> Roll<'_, F> {
             self.state.phase = Phase::Stopping { leg, since: None };
             return None;
         }
-        let error = heading_error(ahead, aside, task.reverse);
+        let error = heading_error(ahead, aside, self.may_reverse(task, target));
+        let good_enough = self.good_enough(task, target);
         if side == 0 {
             // The curve may stray by the stop radius; more is worth a turn in place.
             let law = &self.settings.steering;
             let worth = law.stop_radius / (STRAY * distance);
             let worth = worth.clamp(WORTH_TURNING, law.turn_tolerance.max(WORTH_TURNING));
+            let worth = worth.max(good_enough);
             if error.abs() <= worth {
                 self.state.phase = Phase::Driving { leg };
                 return None;
@@ -162,6 +164,7 @@ impl<F: PathFollower> Roll<'_, F> {
         let is_coarse = self.floors.turn.least > 0.0;
         let left_over = if is_coarse { self.settings.steering.turn_tolerance } else { 0.0 };
         let least = (drive.min_angular * self.settings.slot / 2.0).max(overrun).max(left_over);
+        let least = least.max(good_enough / 2.0);
         if remaining > least {
             let stoppable = steering::stopping_speed(
                 remaining,
@@ -181,7 +184,8 @@ impl<F: PathFollower> Roll<'_, F> {
         if !self.rests() {
             return Some(Twist::ZERO);
         }
-        self.state.phase = if error.abs() <= self.settings.steering.turn_tolerance {
+        let near_enough = self.settings.steering.turn_tolerance.max(good_enough);
+        self.state.phase = if error.abs() <= near_enough {
             Phase::Driving { leg }
         } else {
             Phase::Turning { leg, side: 0 }
@@ -190,15 +194,14 @@ impl<F: PathFollower> Roll<'_, F> {
     }
 
     fn drive(&mut self, task: &Task, leg: usize) -> Option<Twist> {
-        let reversing = task.reverse && {
-            let (ahead, _) = self.coasted().toward(task.waypoints[leg]);
-            ahead < 0.0
-        };
+        let target = task.waypoints[leg];
+        let reversing = self.reverses(task, target);
         let from = leg.checked_sub(1).map(|before| task.waypoints[before]);
-        match self.approach(from, task.waypoints[leg], reversing, task.tolerance) {
+        match self.approach(from, target, reversing, task.tolerance) {
             Approach::Go(twist, limit) => {
-                self.limit = Some(limit);
-                Some(twist)
+                let arc = self.arc(task, target);
+                self.limit = Some(if arc.is_some() { Limit::Waypoint } else { limit });
+                Some(arc.unwrap_or(twist))
             }
             Approach::OffHeading => {
                 self.state.phase = Phase::Turning { leg, side: 0 };

@@ -2,6 +2,7 @@
 
 mod approach;
 mod decide;
+mod mend;
 mod phase;
 mod roll;
 mod square;

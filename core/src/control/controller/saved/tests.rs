@@ -146,6 +146,27 @@ fn what_was_learned_stays() {
     assert_eq!(restored.saved(), controller.saved());
 }
 
+/// Guards against: a robot with the method `adaptive` that forgets what it learned, or is not read any more, because earlier
+/// versions kept one prior per channel.
+#[test]
+fn what_was_learned_with_one_prior_per_channel_is_read() {
+    let settings = Settings { drift: true, ..Settings::default() };
+    let (mut robot, mut controller) = (Robot::new(), Controller::new(settings));
+    controller.set_task(begun().task().expect("a task").clone());
+    robot.until(&mut controller, |controller| controller.progress().stage == Stage::Driving);
+    let former = serde_json::to_string(&controller.saved()).unwrap();
+    let former = former.replace("\"method\":\"bayesian\"", "\"method\":\"adaptive\"");
+    let saved: Saved = serde_json::from_str(&former).unwrap();
+    let settings = Settings { method: Method::Adaptive, ..settings };
+    assert!(saved.fits(&settings, controller.task()));
+    for (kept, learned) in saved.estimates().channels.iter().zip(controller.estimates().channels) {
+        assert_eq!(kept.samples, learned.samples);
+        assert!((kept.mean - learned.mean).abs() < 1e-9, "{kept:?}");
+    }
+    let again: Saved = serde_json::from_str(&serde_json::to_string(&saved).unwrap()).unwrap();
+    assert_eq!(again, saved, "in its new form it stays what it is");
+}
+
 /// Guards against: a time of the old clock, by which the new one is judged.
 #[test]
 fn nothing_of_the_robots_clock_is_saved() {

@@ -3,60 +3,12 @@
 use super::super::estimate::{Channel, ChannelEstimate, LEVEL, NORMAL_HALF_WIDTH};
 use super::super::status::{Status, progress};
 use super::super::window::Sample;
+use super::noise::{Corrected, SharedNoise, mean_variance};
+use super::statistics::Statistics;
 use crate::conjugate::{NormalInverseChiSquared, SampleStatistics, student_t_half_width};
 use crate::prediction::ChannelModel;
 use crate::time::RobotTime;
 use serde::{Deserialize, Serialize};
-
-/// What is known of the pose noise at the end of the last window: it enters the next one with the other sign.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct SharedNoise {
-    /// When the shared pose was taken.
-    taken: RobotTime,
-    /// Expected noise of that pose along this channel.
-    mean: f64,
-    variance: f64,
-    /// Its covariance with the mean ratio: where that is larger than believed, the pose was less far ahead.
-    covariance: f64,
-}
-
-/// A sample as an observation of the mean ratio alone, by what is known of the pose that it begins with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Corrected {
-    /// Sample minus what is expected, in units of the ratio.
-    innovation: f64,
-    /// How much the innovation grows with the mean ratio; 1 where pose and mean have nothing to do with each other.
-    response: f64,
-    /// What the camera adds to the variance of the innovation, the mean being known.
-    noise: f64,
-    /// The same where nothing is known of the mean but by the samples.
-    whole_noise: f64,
-}
-
-/// Weighted mean and spread of the samples alone (Welford), and the correlation of neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Statistics {
-    samples: SampleStatistics,
-    last: f64,
-    neighbours: f64,
-    power: f64,
-}
-
-impl Statistics {
-    fn update(&mut self, x: f64, weight: f64, standardised: f64) {
-        self.samples.add(x, weight);
-        self.neighbours += standardised * self.last;
-        self.power += standardised * standardised;
-        self.last = standardised;
-    }
-
-    /// n (1 - rho)/(1 + rho) for a lag-1 correlation rho in [0, 0.95].
-    fn effective(&self) -> f64 {
-        let rho = if self.power > 0.0 { self.neighbours / self.power } else { 0.0 };
-        let rho = rho.clamp(0.0, 0.95);
-        self.samples.samples as f64 * (1.0 - rho) / (1.0 + rho)
-    }
-}
 
 /// What is believed of a channel whose ratio has one mean and one variance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,55 +42,26 @@ impl Stationary {
     /// of h mu, h = 1 - a/l, under noise that has nothing to do with mu. Each sample so enters by its likelihood given
     /// the ones before, and over many windows the noise of the poses between them cancels.
     pub fn update(&mut self, sample: &Sample, start: RobotTime, end: RobotTime) {
-        let Sample { motion, pose_variance, weight, .. } = *sample;
-        let Corrected { innovation, response, noise, .. } = self.corrected(sample, start);
-
         let posterior = self.posterior;
-        let mean_variance = mean_variance(posterior);
-        let scale_squared =
-            posterior.s() / posterior.r() / weight + response * response * mean_variance + noise;
+        let corrected = Corrected::new(sample, start, posterior, self.shared);
+        let Corrected { innovation, response, noise, .. } = corrected;
+        let scale_squared = corrected.scale_squared(sample, posterior);
         self.ln_evidence += ln_student(posterior, scale_squared, posterior.mu() + innovation);
         let ratio = posterior.mu() + innovation;
-        self.statistics.update(ratio, weight, innovation / scale_squared.sqrt());
-
-        let gain = pose_variance / motion / scale_squared;
-        self.shared = Some(SharedNoise {
-            taken: end,
-            mean: gain * innovation,
-            variance: pose_variance - gain * pose_variance / motion,
-            covariance: -gain * response * mean_variance,
-        });
+        self.statistics.update(ratio, sample.weight, innovation / scale_squared.sqrt());
+        self.shared = Some(corrected.shared(sample, end, posterior));
         let squared = response * response;
         self.posterior = posterior.update_noisy(
             posterior.mu() + innovation / response,
-            weight * squared,
+            sample.weight * squared,
             noise / squared,
         );
-    }
-
-    /// What a sample from `start` on says of the mean ratio.
-    fn corrected(&self, sample: &Sample, start: RobotTime) -> Corrected {
-        let Sample { motion, pose_variance, other_variance, .. } = *sample;
-        let unknown =
-            SharedNoise { taken: start, mean: 0.0, variance: pose_variance, covariance: 0.0 };
-        let shared =
-            self.shared.filter(|shared| (shared.taken - start).abs() < 1e-6).unwrap_or(unknown);
-        // Both together are at least as sure as a correlation of one would make them.
-        let slope = shared.covariance / mean_variance(self.posterior);
-        let explained = (slope * shared.covariance).min(MOST_EXPLAINED * shared.variance);
-        let with = |variance: f64| (variance + pose_variance) / (motion * motion) + other_variance;
-        Corrected {
-            innovation: sample.ratio + shared.mean / motion - self.posterior.mu(),
-            response: 1.0 - slope / motion,
-            noise: with(shared.variance - explained),
-            whole_noise: with(shared.variance),
-        }
     }
 
     /// Whether a sample from `start` on, not yet taken in, lies within the interval that is to hold it with
     /// probability [`LEVEL`] where predictions assume `model`.
     pub fn expects(&self, model: &ChannelModel, sample: &Sample, start: RobotTime) -> bool {
-        let corrected = self.corrected(sample, start);
+        let corrected = Corrected::new(sample, start, self.posterior, self.shared);
         let Corrected { innovation, response, noise, whole_noise } = corrected;
         let half = match model.posterior {
             Some(posterior) => {
@@ -150,6 +73,16 @@ impl Stationary {
             None => NORMAL_HALF_WIDTH * (model.variance / sample.weight + whole_noise).sqrt(),
         };
         (innovation + self.posterior.mu() - model.mean).abs() <= half
+    }
+
+    /// Its channel, its prior and its posterior.
+    pub(super) fn beliefs(&self) -> (Channel, NormalInverseChiSquared, NormalInverseChiSquared) {
+        (self.channel, self.prior, self.posterior)
+    }
+
+    /// The samples alone, with the correlation of neighbours.
+    pub(super) fn statistics(&self) -> Statistics {
+        self.statistics
     }
 
     /// The samples alone, each corrected for what is known of the pose noise that it shares with the one before.
@@ -201,18 +134,9 @@ impl Stationary {
     }
 }
 
-/// Most of the variance of a pose's noise that the mean ratio may explain: the filter's steps are not exact, a variance
-/// stays positive.
-const MOST_EXPLAINED: f64 = 0.99;
-
 /// The central 90 % of a normal distribution.
 fn normal_interval(mean: f64, sd: f64) -> (f64, f64) {
     (mean - NORMAL_HALF_WIDTH * sd, mean + NORMAL_HALF_WIDTH * sd)
-}
-
-/// Variance of the mean ratio, sigma^2 being as expected: (s/r)/k.
-fn mean_variance(posterior: NormalInverseChiSquared) -> f64 {
-    posterior.s() / posterior.r() / posterior.k()
 }
 
 /// ln density at `x` of a Student t with the posterior's centre and degrees of freedom and the given scale^2.
@@ -285,21 +209,5 @@ mod tests {
         let belief = learn(2000, 0.0039, 0.4, 0.0005, 4);
         let sd = belief.posterior().expected_variance().expect("many samples").sqrt();
         assert!((sd / 0.4 - 1.0).abs() < 0.1, "identified sd {sd}");
-    }
-
-    #[test]
-    fn correlated_samples_are_worth_fewer() {
-        let mut statistics = Statistics::default();
-        for i in 0..1000 {
-            let x = f64::from(i / 20 % 2) * 2.0 - 1.0;
-            statistics.update(x, 1.0, x);
-        }
-        assert!(statistics.effective() < 100.0);
-        let mut alternating = Statistics::default();
-        for i in 0..1000 {
-            let x = f64::from(i % 2) * 2.0 - 1.0;
-            alternating.update(x, 1.0, x);
-        }
-        assert!((alternating.effective() - 1000.0).abs() < 1e-9);
     }
 }
