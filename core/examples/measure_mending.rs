@@ -37,6 +37,7 @@ fn scenario(floor: &str) -> Result<Scenario, Box<dyn Error>> {
         task: Task::thesis(),
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: TIME_LIMIT,
     })
 }

@@ -30,6 +30,7 @@ fn run(method: Method, slip: Slip, bearing: f64, distance: f64, seed: u64) -> Ru
         task: Task { waypoints: vec![waypoint], calibration: None, ..Task::thesis() },
         start: Pose::default(),
         region: None,
+        frame: umwelt_core::episode::FRAME,
         time_limit: TIME_LIMIT,
     };
     let (mut before, mut turned, mut strayed) = (Pose::default(), 0.0, 0.0_f64);

@@ -8,7 +8,13 @@ use umwelt_core::{exchange, horizon, kinematics, link, plant, task as core_task}
 
 #[test]
 fn what_is_left_out_is_the_same_on_the_wire_and_in_core() {
-    let new = Settings { noise: settings::PoseNoise::CAMERA, slots: 40, ..Settings::default() };
+    let new = Settings {
+        noise: settings::PoseNoise::CAMERA,
+        method: settings::Method::Adaptive,
+        attribution: settings::Attribution::Played,
+        slots: 40,
+        ..Settings::default()
+    };
     let core = robot::Spec::from_core(&new, Some(robot::DEFAULT_PRIOR));
     assert_eq!(robot::Spec::default(), core);
     assert_eq!(robot::Drive::default(), kinematics::Drive::default().into());

@@ -17,7 +17,7 @@ use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, SLOT};
 use umwelt_core::kinematics;
 use umwelt_core::local::LocalLimits;
-use umwelt_core::settings::{FollowsLink, PoseNoise, Settings};
+use umwelt_core::settings::{Attribution, FollowsLink, Method, PoseNoise, Settings};
 use umwelt_core::task as core_task;
 use umwelt_core::time::RobotTime;
 use umwelt_core::watch::Condition;
@@ -119,6 +119,8 @@ fn the_defaults_are_cores_and_pass() {
         follows_link,
         identifies_lag,
         identifies_noise,
+        method: Method::Adaptive,
+        attribution: Attribution::Played,
         ..Settings::default()
     };
     assert_eq!(thesis, expected);

@@ -27,7 +27,7 @@ async fn a_patch_changes_what_it_names_and_what_follows_from_that() {
     assert_eq!(changed.code, 200);
     let changed = changed.json();
     assert_eq!(changed["described"], json!({"drive": drive, "prior": "flat"}));
-    assert_eq!(changed["spec"]["method"], "bayesian");
+    assert_eq!(changed["spec"]["method"], "adaptive");
     assert_eq!(changed["spec"]["drive"], before["spec"]["drive"]);
     assert_ne!(changed["etag"], before["etag"]);
     let slower = patch(&api, json!({"drive": {"max_linear_m_per_s": 0.13}})).await.json();

@@ -16,7 +16,7 @@ async fn a_robot_is_created_replaced_shown_and_removed() {
     assert_eq!(created.code, 201);
     let robot = created.json();
     assert_eq!(robot["spec"]["horizon_slots"], 5);
-    assert_eq!(robot["spec"]["method"], "bayesian", "defaults are filled in");
+    assert_eq!(robot["spec"]["method"], "adaptive", "defaults are filled in");
     assert_eq!(robot["state"], "never");
     assert_eq!(robot["last_seen_s_ago"], Value::Null);
     assert_eq!(created.headers["etag"], format!("\"{}\"", robot["etag"].as_str().unwrap()));

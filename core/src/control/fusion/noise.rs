@@ -121,15 +121,14 @@ impl Identified {
 
 impl NoiseBelief {
     /// Goes on from what was identified, of which the last poses count: the tracker may be another one.
-    pub fn of([position, heading]: [Identified; 2]) -> Self {
-        let mut belief = Self::default();
-        for (axis, it) in [(0, position), (2, heading)] {
+    pub fn of(identified: [Identified; 2]) -> Self {
+        let mut belief = Self { identified, ..Self::default() };
+        for (axis, it) in [0, 2].into_iter().zip(identified) {
             let bank = &mut belief.banks[0][axis];
             bank.poses = it.poses.clamp(0.0, KEPT);
             let square = bank.poses * it.sd * it.sd;
             bank.filters.iter_mut().for_each(|filter| filter.square = square);
         }
-        belief.identify();
         belief
     }
 

@@ -51,6 +51,9 @@ pub(super) const SHOWS_STUCK: f64 = 24.0;
 /// The same for motion against the command, which is as far again from what it should be.
 const TELLS_MISMATCH: f64 = 12.0;
 
+/// Part of its full speed that is no speed.
+const NO_SPEED: f64 = 1e-3;
+
 /// Part of its full speed above which raising a speed is no use.
 const FULL: f64 = 0.9;
 
@@ -223,7 +226,8 @@ impl Watch {
     /// Equal poses, and the camera may have no noise: the robot may stand in a dead band.
     pub(super) fn try_full(&mut self, settings: &Settings, now: RobotTime) -> Finding {
         let (full, (linear, angular)) = (full(settings), self.still.fastest);
-        if linear > 0.0 {
+        // Of unequal wheels a turn in place has a speed that is none.
+        if linear > NO_SPEED * full.linear {
             self.raised(Kind::Drive, linear, full.linear, now, How::AtOnce)
         } else {
             self.raised(Kind::Turn, angular, full.angular, now, How::AtOnce)

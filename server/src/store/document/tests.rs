@@ -6,6 +6,7 @@ use serde_json::json;
 use std::fmt::Debug;
 use std::path::PathBuf;
 use std::{env, fs};
+use umwelt_core::settings::Method;
 
 /// The golden files `name-1.json`, ..., from version `first` on, say the same, and the newest is what is written today.
 /// With `UPDATE_GOLDEN` set it is written anew: before a form goes out, never after. Returns the newest.
@@ -155,7 +156,7 @@ fn robots_of_every_version_mean_what_they_meant() {
 
 /// Guards against: a robot that followed at once because nothing else was said begins to be identified.
 #[test]
-fn a_robot_of_which_nothing_was_said_follows_as_it_did() {
+fn a_robot_of_which_nothing_was_said_goes_on_as_it_did() {
     let body = std::fs::read_to_string(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/src/store/document/golden/least-robot-3.json"
@@ -167,7 +168,13 @@ fn a_robot_of_which_nothing_was_said_follows_as_it_did() {
     assert!(!told.settings.identifies_lag && told.settings.follows_link.loop_delay);
     assert_eq!((told.settings.drive.lag, told.settings.drive.dead_time), (0.0, 0.0));
     body["version"] = json!(4);
-    assert!(robot::record(&body.to_string(), 7).unwrap().told.settings.identifies_lag);
+    let told = robot::record(&body.to_string(), 7).unwrap().told;
+    assert!(told.settings.identifies_lag);
+    // The same of the method that is the default by now: a patch would bring it.
+    assert!(told.said.says("method") && told.said.says("attribution"));
+    assert_eq!(told.settings.method, Method::Bayesian);
+    body["version"] = json!(5);
+    assert!(!robot::record(&body.to_string(), 7).unwrap().told.said.says("method"));
 }
 
 #[test]
@@ -250,7 +257,7 @@ fn what_cannot_be_read_says_who_wrote_it() {
     let read = |body: &str| robot::record(body, 1).unwrap_err();
     let newer = read(r#"{"version": 9, "program": "0.7.0", "settings": 5}"#);
     assert_eq!(newer.written_by(), Some("0.7.0"));
-    assert_eq!(newer.to_string(), "its form is of version 9, this program reads 1 to 4");
+    assert_eq!(newer.to_string(), "its form is of version 9, this program reads 1 to 5");
     let strange = read(r#"{"version": 2, "program": "0.2.0", "task": 5}"#);
     assert_eq!(strange.written_by(), Some("0.2.0"));
     for body in
