@@ -5,8 +5,8 @@ use crate::check::Check;
 use crate::named::Known;
 use crate::problem::{Problems, reason};
 use crate::robot::{
-    Attribution, Description, Drive, Method, Noise, Pose, Predictor, PriorChoice, Said, Spec,
-    Steering, VarianceLimits,
+    Attribution, Description, Drive, Method, NOISE, Noise, Pose, Predictor, PriorChoice, Said,
+    Spec, Steering, VarianceLimits,
 };
 use umwelt_core::derived::{self, Quantity};
 use umwelt_core::exchange;
@@ -229,9 +229,6 @@ impl Description {
         Settings { attribution, ..settings }
     }
 }
-
-/// The fields of a spec that hold the noise of poses: identified where none of them is said.
-const NOISE: [&str; 2] = ["noise.position_m", "noise.heading_rad"];
 
 /// The field of a spec that holds what may follow from the rest: one of [`DERIVED`](crate::robot::DERIVED).
 pub(super) fn path(quantity: Quantity) -> &'static str {

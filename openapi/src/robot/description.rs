@@ -31,9 +31,12 @@ pub const DERIVED: [&str; 19] = [
     "drive.dead_time_s",
 ];
 
-/// Those of them that are identified where they are not said; before the first motion and delivery they have a value that
-/// follows.
-pub const IDENTIFIED: [&str; 3] = ["loop_delay_s", "drive.lag_s", "drive.dead_time_s"];
+/// What is identified where it is not said; before the first motion and delivery it has a value that follows, or its default.
+pub const IDENTIFIED: [&str; 5] =
+    ["loop_delay_s", "drive.lag_s", "drive.dead_time_s", NOISE[0], NOISE[1]];
+
+/// The noise of poses, which the method `adaptive` alone identifies, where neither is said.
+pub const NOISE: [&str; 2] = ["noise.position_m", "noise.heading_rad"];
 
 /// What was said of a robot: the fields of a [`Spec`] that someone gave, in its form. What is left out has its default, or
 /// follows from the rest; which of them do is a table in `docs/method.md`.

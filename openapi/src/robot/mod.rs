@@ -11,7 +11,7 @@ pub use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
 pub use choice::{Attribution, CELL, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
 #[cfg(feature = "core")]
 pub(crate) use description::Said;
-pub use description::{DERIVED, Description, IDENTIFIED};
+pub use description::{DERIVED, Description, IDENTIFIED, NOISE};
 pub use drive::{
     ANGULAR_ACCELERATION, ANGULAR_SPEED, Drive, HEADING_NOISE, LAG, LINEAR_ACCELERATION,
     LINEAR_SPEED, Noise, POSITION_NOISE, TRACK_WIDTH, WHEEL_RADIUS, WHEEL_SPEED,

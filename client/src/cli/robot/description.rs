@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use umwelt_api::PriorId;
 use umwelt_api::robot::{
-    Attribution, DERIVED, Description, IDENTIFIED, Method, Patch, Robot, Spec,
+    Attribution, DERIVED, Description, IDENTIFIED, Method, NOISE, Patch, Robot, Spec,
 };
 
 pub(super) const METHODS: &[&str] =
@@ -18,7 +18,7 @@ pub(super) const ATTRIBUTIONS: &[&str] = &["sent", "played"];
 /// What can be said of a robot. "derived" stands for what follows from the rest.
 #[derive(Debug, Args)]
 pub(super) struct Flags {
-    /// How the environment is identified [default: bayesian]
+    /// How the environment is identified [default: adaptive]
     #[arg(long, value_parser = input::named::<Method>(METHODS))]
     method: Option<Method>,
     /// What errors are measured against: commands as sent or as played [default: sent; played with method adaptive]
@@ -40,10 +40,10 @@ pub(super) struct Flags {
     /// derived: 0.3, more where the loop delay is more than 0.23]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     watchdog: Option<f64>,
-    /// Standard deviation of an observed position [default: 0.0005]
+    /// Standard deviation of an observed position [default: identified; 0.0005 of methods other than adaptive]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     position_noise: Option<f64>,
-    /// Standard deviation of an observed heading [default: 0.003]
+    /// Standard deviation of an observed heading [default: identified; 0.003 of methods other than adaptive]
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     heading_noise: Option<f64>,
     /// What the robot believes of the floor before any sample: a name of `umwelt prior list` [default: default]
@@ -197,10 +197,13 @@ fn of(value: Option<impl Serialize>) -> Option<Value> {
 }
 
 /// Where the value of a field comes from.
-fn origin(said: &Description, path: &str) -> &'static str {
+fn origin(robot: &Robot, path: &str) -> &'static str {
+    let said = &robot.described;
+    let is_noise = NOISE.contains(&path);
+    let is_asked = robot.spec.method == Method::Adaptive && !NOISE.iter().any(|it| said.says(it));
     if said.says(path) {
         "set"
-    } else if IDENTIFIED.contains(&path) {
+    } else if IDENTIFIED.contains(&path) && (is_asked || !is_noise) {
         "until identified"
     } else if DERIVED.contains(&path) {
         "derived"
@@ -217,7 +220,7 @@ pub(super) fn understood(robot: &Robot) -> String {
     let width = widest(|(path, _)| path.len()).unwrap_or(0);
     let values = widest(|(_, value)| value.len()).unwrap_or(0);
     let line = |(path, value): &(String, String)| {
-        let origin = origin(&robot.described, path);
+        let origin = origin(robot, path);
         format!("  {path:<width$}  {value:<values$}  {origin}\n")
     };
     fields.iter().map(line).collect()
