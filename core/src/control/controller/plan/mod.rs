@@ -4,6 +4,7 @@ mod approach;
 mod decide;
 mod phase;
 mod roll;
+mod sight;
 mod square;
 
 pub use phase::{Phase, Phases, REST_SLOTS};
