@@ -91,3 +91,36 @@ fn described_as_differential_it_drives_worse() {
         (cost(&scenario(kind, kind, &legs)), cost(&scenario(kind, Kind::Differential, &legs)));
     assert!(told.0 + 0.3 < untold.0, "{told:?}, {untold:?}");
 }
+
+/// Guards against: a differential robot on a bad floor that is called skid steer, and one that is and is not noticed. Of 400
+/// runs each `examples/measure_kind.rs` has the parts.
+#[test]
+fn a_robot_is_proposed_to_be_what_it_is() {
+    let legs = [Point::new(1.0, 0.0), Point::new(1.0, 0.4)];
+    for slip in [Slip::HARD, Slip::DUSTY, Slip::SLIPPERY] {
+        for (kind, sideways) in [(Kind::Differential, 0.0), (skid_steer(0.02, 0.0), 0.02)] {
+            let mut scenario = scenario(kind, Kind::Differential, &legs);
+            scenario.plant.slip = slip;
+            for seed in 0..SEEDS {
+                let (_, controller) = scenario.run_with(seed, |_| {}).unwrap();
+                let skid = controller.drive_estimate().unwrap().skid.unwrap();
+                assert_eq!(skid.is_proposed(), sideways != 0.0, "{slip:?} {seed}: {skid:?}");
+                assert!((skid.sideways.mean - sideways).abs() < 0.003, "{slip:?} {seed}: {skid:?}");
+            }
+        }
+    }
+}
+
+/// Guards against: evidence against the former kind that is counted against the new one, and a lag that is forgotten for it.
+#[test]
+fn described_as_another_kind_the_evidence_begins_anew() {
+    let kind = skid_steer(0.03, 0.0);
+    let scenario = scenario(kind, Kind::Differential, &[Point::new(0.5, 0.0)]);
+    let (_, mut controller) = scenario.run_with(1, |_| {}).unwrap();
+    let before = controller.drive_estimate().unwrap();
+    assert!(before.skid.unwrap().is_proposed());
+    let drive = Drive { kind, ..scenario.settings.drive };
+    controller.replace_settings(Settings { drive, ..scenario.settings });
+    let after = controller.drive_estimate().unwrap();
+    assert_eq!((after.skid, after.sum), (None, before.sum));
+}

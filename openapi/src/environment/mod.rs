@@ -4,10 +4,12 @@
 
 mod drive;
 mod estimate;
+mod kind;
 mod scale;
 
 pub use drive::Drive;
 pub use estimate::{Estimate, Interval, Status};
+pub use kind::{Kind, NOTE};
 pub use scale::{Scale, Split};
 
 use crate::id::PriorId;
