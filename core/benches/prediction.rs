@@ -9,6 +9,7 @@ use thesis::{cycles, run, scenario};
 use umwelt_core::episode::Scenario;
 use umwelt_core::geometry::{Pose, Twist};
 use umwelt_core::horizon::SLOT;
+use umwelt_core::kinematics::Kind;
 use umwelt_core::prediction::{Agents, ChannelModel, ErrorModel, Moments, Motion};
 use umwelt_core::settings::{PoseNoise, PredictorKind};
 
@@ -28,7 +29,7 @@ fn prediction(criterion: &mut Criterion) {
     group.sample_size(50).measurement_time(Duration::from_secs(3));
     group.bench_function("moments", |bencher| {
         bencher.iter(|| {
-            let mut moments = Moments::new(black_box(pose), noise);
+            let mut moments = Moments::new(Kind::Differential, black_box(pose), noise);
             (0..AHEAD).for_each(|_| moments.advance(black_box(&model), motion));
             moments.spread()
         });
@@ -38,7 +39,8 @@ fn prediction(criterion: &mut Criterion) {
             bencher.iter_batched(
                 || pose,
                 |pose| {
-                    let mut agents = Agents::new(pose, noise, &model, agents, CELL, 1);
+                    let mut agents =
+                        Agents::new(Kind::Differential, pose, noise, &model, agents, CELL, 1);
                     (0..AHEAD).for_each(|_| agents.advance(black_box(motion)));
                     agents.spread()
                 },

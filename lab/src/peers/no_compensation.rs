@@ -40,6 +40,6 @@ impl PoseEstimator for NoCompensation {
         _: RobotTime,
         _: Prediction,
     ) -> Prediction {
-        Prediction::moments(observed, settings.noise)
+        Prediction::moments(settings.drive.kind, observed, settings.noise)
     }
 }

@@ -25,7 +25,7 @@ pub fn effect(body: &str, field: &str) -> &'static str {
     fields.find(|(name, _)| *name == field).map_or("", |(_, effect)| effect)
 }
 
-const ROBOT: [(&str, &str); 38] = [
+const ROBOT: [(&str, &str); 41] = [
     (
         "attribution",
         "`sent`: a late packet shows as slip and widens the belief about the floor. `played`: floor and link are told apart.",
@@ -62,6 +62,10 @@ const ROBOT: [(&str, &str); 38] = [
         "drive.dead_time_s",
         "Too small or too large by more than some 10 ms: the robot is predicted at the wrong place while its speed changes, and hunts.",
     ),
+    (
+        "drive.kind",
+        "`skid-steer`: the two numbers of it count, and the robot turns in place about its turning centre, not about the tracked point.",
+    ),
     ("drive.lag_s", "As `dead_time_s`; the sum of both matters most."),
     (
         "drive.max_angular_acceleration_rad_per_s2",
@@ -83,8 +87,16 @@ const ROBOT: [(&str, &str); 38] = [
         "Too small for the motors: the robot stands when it creeps until the watch raises it. Too large: it overshoots at waypoints.",
     ),
     (
+        "drive.sideways_m_per_rad",
+        "Wrong by some centimetres: the robot aims past its waypoints and corrects on the way, or turns again before them.",
+    ),
+    (
         "drive.track_width_m",
         "Wrong by some percent: every turn is wrong by as much until the channel `turn` is identified.",
+    ),
+    (
+        "drive.turn_by_speed_s_per_m",
+        "Wrong: curves at speed are wider or tighter than planned, turns in place are not.",
     ),
     (
         "drive.wheel_radius_m",

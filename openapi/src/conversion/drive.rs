@@ -2,8 +2,10 @@
 
 use super::environment::interval;
 use super::known;
-use crate::environment::{Drive, Estimate, Scale, Split, Status};
-use umwelt_core::drive::{DriveEstimate, Quantity, ScaleEstimate};
+use crate::environment::{Drive, Estimate, Kind, NOTE, Scale, Split, Status};
+use crate::robot;
+use umwelt_core::drive::{DriveEstimate, Quantity, ScaleEstimate, SkidEstimate};
+use umwelt_core::kinematics;
 use umwelt_core::settings::{Method, Settings};
 
 impl Drive {
@@ -31,6 +33,10 @@ impl Drive {
             stretches: believed.map_or(0, |it| it.stretches),
             stretches_not_understood: believed.map_or(0, |it| it.not_understood),
             scale: believed.map(|it| Scale::new(it, settings)),
+            kind: believed
+                .and_then(|it| it.skid)
+                .filter(|_| described.kind == kinematics::Kind::Differential)
+                .map(Kind::from),
         }
     }
 }
@@ -62,6 +68,20 @@ impl Scale {
     }
 }
 
+impl From<SkidEstimate> for Kind {
+    fn from(core: SkidEstimate) -> Self {
+        let is_proposed = core.is_proposed();
+        Self {
+            described: robot::Kind::Differential,
+            proposed: is_proposed.then_some(robot::Kind::SkidSteer),
+            ln_evidence: known(core.ln_evidence),
+            sideways_m_per_rad: core.sideways.into(),
+            turn_by_speed_s_per_m: core.turn_by_speed.into(),
+            note: is_proposed.then(|| NOTE.to_owned()),
+        }
+    }
+}
+
 /// Of a normal distribution.
 fn normal(mean: f64, sd: f64) -> Estimate {
     Quantity::normal(mean, sd * sd).into()
@@ -84,7 +104,6 @@ mod tests {
     use super::*;
     use crate::environment::Interval;
     use umwelt_core::drive::DriveBelief;
-    use umwelt_core::kinematics;
 
     #[test]
     fn how_late_a_drive_follows_is_told_whoever_knows_it() {
@@ -107,6 +126,32 @@ mod tests {
         let told = Drive::new(Some(&believed), &adaptive);
         assert_eq!((told.status, told.lag_s.mean), (Status::Given, Some(0.1)));
         assert!(told.scale.is_some_and(|scale| scale.used));
+    }
+
+    /// Guards against: a robot that is proposed to be what it is described as, or without saying what else it may be.
+    #[test]
+    fn a_kind_is_proposed_where_it_is_another() {
+        let skid = |ln_evidence| SkidEstimate {
+            sideways: Quantity::normal(0.021, 1e-6),
+            turn_by_speed: Quantity::normal(0.1, 0.04),
+            ln_evidence,
+        };
+        let told = |ln_evidence, kind| {
+            let believed =
+                DriveEstimate { skid: Some(skid(ln_evidence)), ..DriveBelief::new(0.1).estimate() };
+            let drive = kinematics::Drive { kind, ..Default::default() };
+            Drive::new(Some(&believed), &Settings { drive, ..Settings::default() }).kind
+        };
+        let proposed = told(9.0, kinematics::Kind::Differential).unwrap();
+        assert_eq!(proposed.proposed, Some(robot::Kind::SkidSteer));
+        assert_eq!(
+            (proposed.sideways_m_per_rad.mean, proposed.ln_evidence),
+            (Some(0.021), Some(9.0))
+        );
+        assert!(proposed.note.is_some());
+        let unsure = told(4.0, kinematics::Kind::Differential).unwrap();
+        assert_eq!((unsure.proposed, unsure.note), (None, None));
+        assert_eq!(told(9.0, kinematics::Kind::SkidSteer(Default::default())), None);
     }
 
     #[test]

@@ -5,17 +5,21 @@ use crate::check::Check;
 use crate::named::Known;
 use crate::problem::{Problems, reason};
 use crate::robot::{
-    Attribution, Description, Drive, Method, NOISE, Noise, Pose, Predictor, PriorChoice, Said,
-    Spec, Steering, VarianceLimits,
+    Attribution, Description, Drive, Kind, Method, NOISE, Noise, Pose, Predictor, PriorChoice,
+    Said, Spec, Steering, VarianceLimits,
 };
 use umwelt_core::derived::{self, Quantity};
 use umwelt_core::exchange;
 use umwelt_core::horizon::SLOT;
-use umwelt_core::kinematics;
+use umwelt_core::kinematics::{self, SkidSteer};
 use umwelt_core::settings::{self, PoseNoise, Settings};
 
 impl From<kinematics::Drive> for Drive {
     fn from(core: kinematics::Drive) -> Self {
+        let (kind, skid) = match core.kind {
+            kinematics::Kind::Differential => (Kind::Differential, SkidSteer::default()),
+            kinematics::Kind::SkidSteer(skid) => (Kind::SkidSteer, skid),
+        };
         Self {
             wheel_radius_m: core.wheel_radius,
             track_width_m: core.track_width,
@@ -28,6 +32,9 @@ impl From<kinematics::Drive> for Drive {
             max_angular_acceleration_rad_per_s2: core.max_angular_acceleration,
             lag_s: core.lag,
             dead_time_s: core.dead_time,
+            kind,
+            turn_by_speed_s_per_m: skid.turn_by_speed,
+            sideways_m_per_rad: skid.sideways,
         }
     }
 }
@@ -48,6 +55,13 @@ impl Drive {
             max_angular_acceleration: self.max_angular_acceleration_rad_per_s2,
             lag: self.lag_s,
             dead_time: self.dead_time_s,
+            kind: match self.kind {
+                Kind::Differential => kinematics::Kind::Differential,
+                Kind::SkidSteer => kinematics::Kind::SkidSteer(SkidSteer {
+                    turn_by_speed: self.turn_by_speed_s_per_m,
+                    sideways: self.sideways_m_per_rad,
+                }),
+            },
         }
     }
 }

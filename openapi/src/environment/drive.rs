@@ -1,6 +1,7 @@
 //! How late a robot's drive follows its commands, as it is identified.
 
 use super::estimate::{Estimate, Status};
+use super::kind::Kind;
 use super::scale::Scale;
 use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// From poses and commands alone the sum is known well: of dead time, lag and whatever the stamps of the poses are late by.
 /// How it parts shows in the shape of starts and stops, as far as the noise of the poses allows.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = EnvironmentDrive)]
 pub struct Drive {
     /// How far the estimate has got; `given` where dead time or lag are described.
@@ -29,4 +30,8 @@ pub struct Drive {
     /// Wheels and track with which the robot moves as it does; null where nothing of the drive is identified.
     #[serde(default)]
     pub scale: Option<Scale>,
+    /// Whether it moves as skid steer does; null before the first stretch, where nothing of the drive is identified, and where
+    /// it is described as skid steer.
+    #[serde(default)]
+    pub kind: Option<Kind>,
 }

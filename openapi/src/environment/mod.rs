@@ -4,11 +4,13 @@
 
 mod drive;
 mod estimate;
+mod kind;
 mod noise;
 mod scale;
 
 pub use drive::Drive;
 pub use estimate::{Estimate, Interval, Status};
+pub use kind::{Kind, NOTE};
 pub use noise::Noise;
 pub use scale::{Scale, Split};
 

@@ -28,6 +28,18 @@ pub enum Method {
     Adaptive,
 }
 
+/// What the wheels of a robot do on the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schema(as = DriveKind)]
+pub enum Kind {
+    /// Two of them on one axle, which roll.
+    #[default]
+    Differential,
+    /// Wheels or tracks that slide sideways in turns: `turn_by_speed_s_per_m` and `sideways_m_per_rad` say how.
+    SkidSteer,
+}
+
 /// What an observed motion is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -1,5 +1,6 @@
 //! The drive of a robot, and how well it is seen.
 
+use super::choice::Kind;
 use crate::check::{Check, Range, Validate};
 use crate::schema::ToSchema;
 use serde::{Deserialize, Serialize};
@@ -20,12 +21,18 @@ pub const LINEAR_ACCELERATION: Range = Range::new(1e-3, 100.0, "m/s^2");
 pub const ANGULAR_ACCELERATION: Range = Range::new(1e-2, 1000.0, "rad/s^2");
 /// Slower wheels would still follow the last command when the longest horizon is over.
 pub const LAG: Range = Range::new(0.0, 2.0, "s");
+/// From a robot that turns about its bumper to one that turns about its tail: those of tractors.
+pub const SIDEWAYS: Range = Range::new(-5.0, 5.0, "m/rad");
+/// Half of the turn more or less at 0.01 m/s: more than any robot has between its speeds.
+pub const TURN_BY_SPEED: Range = Range::new(-50.0, 50.0, "s/m");
+/// Most by which the turn ratio changes up to the speed of the fastest wheels, as a part of that at standstill.
+pub const TURN_CHANGE: f64 = 0.5;
 /// Noise of a metre leaves nothing to control by.
 pub const POSITION_NOISE: Range = Range::new(0.0, 1.0, "m");
 /// Noise of a radian leaves nothing to steer by.
 pub const HEADING_NOISE: Range = Range::new(0.0, 1.0, "rad");
 
-/// A two-wheel drive. What is left out is that of a robot of the 0.1 m class.
+/// A drive of two wheels, or of wheels or tracks on two sides. What is left out is that of a robot of the 0.1 m class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default)]
 #[schema(as = Drive)]
@@ -53,6 +60,14 @@ pub struct Drive {
     pub lag_s: f64,
     /// Time before the wheels begin to follow a command.
     pub dead_time_s: f64,
+    /// What the wheels do on the ground.
+    pub kind: Kind,
+    /// Of skid steer: by what part the turn of the same difference of the wheels grows per m/s of speed; `track_width_m` is
+    /// that with which it turns at standstill.
+    pub turn_by_speed_s_per_m: f64,
+    /// Of skid steer: how far the tracked point moves to the left per radian of turn to the left, which is how far it lies
+    /// ahead of the point about which the robot turns in place.
+    pub sideways_m_per_rad: f64,
 }
 
 impl Default for Drive {
@@ -69,6 +84,9 @@ impl Default for Drive {
             max_angular_acceleration_rad_per_s2: 3.0,
             lag_s: 0.0,
             dead_time_s: 0.0,
+            kind: Kind::Differential,
+            turn_by_speed_s_per_m: 0.0,
+            sideways_m_per_rad: 0.0,
         }
     }
 }
@@ -102,6 +120,8 @@ impl Drive {
         );
         check.number("lag_s", self.lag_s, LAG);
         check.number("dead_time_s", self.dead_time_s, LAG);
+        check.number("turn_by_speed_s_per_m", self.turn_by_speed_s_per_m, TURN_BY_SPEED);
+        check.number("sideways_m_per_rad", self.sideways_m_per_rad, SIDEWAYS);
     }
 
     /// Checks the fields against each other.
@@ -125,6 +145,20 @@ impl Drive {
             wheels >= self.min_linear_m_per_s && wheels >= turning,
             self.max_wheel_speed_rad_per_s,
             "use a speed at which the wheels reach min_linear_m_per_s and min_angular_rad_per_s",
+        );
+        let is_skid_steer = self.kind == Kind::SkidSteer;
+        for (name, value) in [
+            ("turn_by_speed_s_per_m", self.turn_by_speed_s_per_m),
+            ("sideways_m_per_rad", self.sideways_m_per_rad),
+        ] {
+            let remedy = "leave it out, or describe kind as skid-steer";
+            check.agrees(name, is_skid_steer || value == 0.0, value, remedy);
+        }
+        check.agrees(
+            "turn_by_speed_s_per_m",
+            self.turn_by_speed_s_per_m.abs() * wheels <= TURN_CHANGE,
+            self.turn_by_speed_s_per_m,
+            "use at most 0.5 over the speed of the fastest wheels in m/s, either way",
         );
     }
 }

@@ -8,13 +8,14 @@ mod prior;
 mod spec;
 
 pub use crate::page::{DEFAULT_PAGE_SIZE, MAX_PAGE_SIZE, MAX_PAGE_TOKEN};
-pub use choice::{Attribution, CELL, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
+pub use choice::{Attribution, CELL, Kind, MAX_AGENTS, MAX_INTEGER, Method, Predictor};
 #[cfg(feature = "core")]
 pub(crate) use description::Said;
 pub use description::{DERIVED, Description, IDENTIFIED, NOISE};
 pub use drive::{
     ANGULAR_ACCELERATION, ANGULAR_SPEED, Drive, HEADING_NOISE, LAG, LINEAR_ACCELERATION,
-    LINEAR_SPEED, Noise, POSITION_NOISE, TRACK_WIDTH, WHEEL_RADIUS, WHEEL_SPEED,
+    LINEAR_SPEED, Noise, POSITION_NOISE, SIDEWAYS, TRACK_WIDTH, TURN_BY_SPEED, TURN_CHANGE,
+    WHEEL_RADIUS, WHEEL_SPEED,
 };
 pub use patch::Patch;
 pub use prior::{ChannelPrior, DEFAULT_PRIOR, MU, Prior, PriorChoice, SUM_OF_SQUARES, WEIGHT};

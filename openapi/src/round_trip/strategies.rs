@@ -8,7 +8,7 @@ use umwelt_core::conjugate::NormalInverseChiSquared;
 use umwelt_core::exchange::{Delivery, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, WheelSpeeds};
 use umwelt_core::horizon::{Horizon, MAX_SLOTS, SLOT};
-use umwelt_core::kinematics::Drive;
+use umwelt_core::kinematics::{Drive, Kind, SkidSteer};
 use umwelt_core::local::LocalLimits;
 use umwelt_core::settings::{self, Settings};
 use umwelt_core::task as core_task;
@@ -43,8 +43,7 @@ fn drive() -> impl Strategy<Value = Drive> {
         0.01..1.0f64,
         0.1..9.0f64,
         0.1..9.0f64,
-        within(robot::LAG),
-        within(robot::LAG),
+        (within(robot::LAG), within(robot::LAG), kind()),
     )
         .prop_map(
             |(
@@ -57,8 +56,7 @@ fn drive() -> impl Strategy<Value = Drive> {
                 min_angular,
                 max_linear_acceleration,
                 max_angular_acceleration,
-                lag,
-                dead_time,
+                (lag, dead_time, kind),
             )| Drive {
                 wheel_radius,
                 unequal: 0.0,
@@ -72,8 +70,18 @@ fn drive() -> impl Strategy<Value = Drive> {
                 max_angular_acceleration,
                 lag,
                 dead_time,
+                kind,
             },
         )
+}
+
+/// Of wheels whose fastest speed is 100 m/s at most.
+fn kind() -> impl Strategy<Value = Kind> {
+    let most = robot::TURN_CHANGE / 100.0;
+    let skid = (-most..=most, within(robot::SIDEWAYS)).prop_map(|(turn_by_speed, sideways)| {
+        Kind::SkidSteer(SkidSteer { turn_by_speed, sideways })
+    });
+    prop_oneof![2 => Just(Kind::Differential), 1 => skid]
 }
 
 pub(super) fn settings() -> impl Strategy<Value = Settings> {

@@ -27,6 +27,8 @@ pub struct Sim {
     seen: VecDeque<(f64, Observation)>,
     /// Whether it is as the server describes it.
     is_as_described: bool,
+    /// What its wheels do whatever the server says; none where they do what that describes.
+    kind: Option<kinematics::Kind>,
     /// Its bumper and buttons.
     limits: Option<watch::Receiver<LocalLimits>>,
 }
@@ -46,6 +48,7 @@ impl Sim {
             applied: WheelSpeeds::ZERO,
             seen: VecDeque::new(),
             is_as_described: false,
+            kind: None,
             limits: None,
         })
     }
@@ -53,6 +56,11 @@ impl Sim {
     /// The same with the wheels and limits that the server has for it; its lag stays its own.
     pub fn as_described(self) -> Self {
         Self { is_as_described: true, ..self }
+    }
+
+    /// The same whose wheels do this on the ground, whatever the server says.
+    pub fn with_kind(self, kind: Option<kinematics::Kind>) -> Self {
+        Self { kind, ..self }
     }
 
     /// The same with another time in s from a pose being taken to its being known.
@@ -88,6 +96,7 @@ impl Drive for Sim {
             self.plant.set_drive(kinematics::Drive {
                 lag: own.lag,
                 dead_time: own.dead_time,
+                kind: self.kind.unwrap_or(drive.kind),
                 ..*drive
             });
         }

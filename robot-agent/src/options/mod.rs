@@ -11,10 +11,10 @@ use umwelt_client::api::RobotId;
 use umwelt_client::{Client, Error, read_token};
 use umwelt_core::exchange::PoseNoise;
 use umwelt_core::geometry::Pose;
-use umwelt_core::kinematics::Drive;
+use umwelt_core::kinematics::{Drive, Kind, SkidSteer};
 use umwelt_core::link::SENSOR_DELAY;
 use umwelt_core::plant::{Lateness, PlantModel, Slip};
-use values::{link, not_negative, pose, positive, slip, trace};
+use values::{finite, link, not_negative, pose, positive, slip, trace};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -181,6 +181,18 @@ struct SimOptions {
     #[arg(long, value_name = "S", value_parser = not_negative)]
     dead_time: Option<f64>,
 
+    /// What its wheels do: differential or skid-steer [default: as described to the server]
+    #[arg(long, value_enum)]
+    kind: Option<KindName>,
+
+    /// How far its middle moves to the left per radian of turn to the left, with --kind skid-steer [default: 0]
+    #[arg(long, value_name = "M/RAD", value_parser = finite, requires = "kind", allow_negative_numbers = true)]
+    sideways: Option<f64>,
+
+    /// By what part it turns more per m/s of speed, with --kind skid-steer [default: 0]
+    #[arg(long, value_name = "S/M", value_parser = finite, requires = "kind", allow_negative_numbers = true)]
+    turn_by_speed: Option<f64>,
+
     /// Where it stands at first, in m and rad [default: 0,0,0]
     #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true)]
     start: Option<Pose>,
@@ -188,6 +200,30 @@ struct SimOptions {
     /// Write time, true pose and wheel speeds to this CSV file, at each change and at least every 30 ms
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
+}
+
+/// What the wheels of a simulated robot do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum KindName {
+    Differential,
+    SkidSteer,
+}
+
+impl SimOptions {
+    /// What the wheels do, where that is said.
+    fn kind(&self) -> Result<Option<Kind>, String> {
+        let skid = SkidSteer {
+            turn_by_speed: self.turn_by_speed.unwrap_or_default(),
+            sideways: self.sideways.unwrap_or_default(),
+        };
+        match self.kind {
+            Some(KindName::SkidSteer) => Ok(Some(Kind::SkidSteer(skid))),
+            _ if self.sideways.is_some() || self.turn_by_speed.is_some() => {
+                Err("--sideways and --turn-by-speed go with --kind skid-steer only".to_owned())
+            }
+            kind => Ok(kind.map(|_| Kind::Differential)),
+        }
+    }
 }
 
 /// What the command line asks for, checked.
@@ -225,10 +261,12 @@ impl Options {
         config.link = sim.link.as_deref().map(link).transpose()?;
         config.trace = sim.trace.as_deref().map(trace).transpose()?;
         let drawn = Lateness::drawn(config.seed);
+        let kind = sim.kind()?;
         let model = PlantModel {
             drive: Drive {
                 lag: sim.lag.unwrap_or(drawn.lag),
                 dead_time: sim.dead_time.unwrap_or(drawn.dead_time),
+                kind: kind.unwrap_or_default(),
                 ..told.over(Drive::default())
             },
             slip: sim.slip.unwrap_or_default(),
@@ -241,7 +279,8 @@ impl Options {
         let sim = Sim::new(model, sim.start.unwrap_or_default(), config.seed)
             .map_err(|error| error.to_string())?
             .with_sensor_delay(sensor_delay)
-            .as_described();
+            .as_described()
+            .with_kind(kind);
         Ok(Plan { config, connect, which: Which::Sim(Box::new(sim)) })
     }
 
@@ -261,6 +300,9 @@ impl Options {
             heading_noise,
             lag,
             dead_time,
+            kind,
+            sideways: _,
+            turn_by_speed: _,
             start,
             trace,
         } = &self.sim;
@@ -275,6 +317,7 @@ impl Options {
                     ("--heading-noise", heading_noise.is_some()),
                     ("--lag", lag.is_some()),
                     ("--dead-time", dead_time.is_some()),
+                    ("--kind", kind.is_some()),
                     ("--start", start.is_some()),
                     ("--trace", trace.is_some()),
                 ],

@@ -26,6 +26,11 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     number(text).and_then(|n| if n >= 0.0 { Ok(n) } else { Err(format!("{n} is negative")) })
 }
 
+/// A number of either sign.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    number(text)
+}
+
 /// `X,Y,HEADING` in m and rad.
 pub(super) fn pose(text: &str) -> Result<Pose, String> {
     let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;

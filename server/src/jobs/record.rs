@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// What leads the record of a job to the form of today: version 1 had evolutions alone and their names for some fields,
-/// version 2 the settings in core's names.
+/// version 2 the settings in core's names; versions 3 and 4 knew less of a drive.
 pub(crate) const UPGRADES: &[Upgrade] =
-    &[names_of_all_kinds, document::job_settings, document::same];
+    &[names_of_all_kinds, document::job_settings, document::same, document::same];
 
 /// How the parts of a job are kept. Their form has stayed; they go by the versions of records.
 pub(crate) const PART: Form = Form { is_within: true, upgrades: &[stays, stays], base: "{}" };

@@ -28,7 +28,7 @@ pub const SUBJECTS: &[(&str, &[&str], &[&str])] = &[
 const CORE: Layers = &[
     &["robot/geometry/"],
     &["robot/time.rs"],
-    &["robot/kinematics.rs"],
+    &["robot/kinematics/"],
     &["robot/horizon.rs"],
     &["robot/"],
     &["control/conjugate/"],

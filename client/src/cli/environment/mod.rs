@@ -1,5 +1,6 @@
 //! `umwelt environment`: what is identified of a robot's. The simulated ones by name are in [`training`].
 
+mod kind;
 mod show;
 
 use super::failure::Failure;

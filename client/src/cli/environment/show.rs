@@ -1,5 +1,6 @@
 //! What is identified of a robot's environment, in words and a table.
 
+use super::kind::kind;
 use crate::cli::quantity::{UNKNOWN, milliseconds, or_unknown, percent};
 use crate::cli::table::{Column, Table};
 use std::fmt::Write;
@@ -44,6 +45,9 @@ pub(super) fn show(robot: &RobotId, environment: &Environment) -> String {
         let _ = writeln!(text, "{}", drive(it, &level));
         if let Some(it) = it.scale.filter(|_| it.stretches > 0) {
             text.push_str(&wheels(&it));
+        }
+        if let Some(it) = it.kind.as_ref().filter(|it| it.proposed.is_some()) {
+            text.push_str(&kind(it, &level));
         }
     }
     if let Some(it) = &environment.noise {
@@ -275,6 +279,7 @@ mod tests {
                 stretches: 8,
                 stretches_not_understood: 1,
                 scale: Some(scale()),
+                kind: None,
             }),
             noise: Some(Noise {
                 status: Status::Estimated,
@@ -348,6 +353,7 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
             stretches: 0,
             stretches_not_understood: 0,
             scale: None,
+            kind: None,
         };
         let text = "drive    follows a command in 100 ms (lag 100 ms, dead time 0 ms); given";
         assert_eq!(drive(&described, "90 %"), text);

@@ -95,6 +95,7 @@ mod tests {
                 drift: split,
                 floors: 0,
             }),
+            kind: None,
         }
     }
 

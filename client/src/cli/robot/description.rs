@@ -8,12 +8,13 @@ use serde_json::{Value, json};
 use std::path::Path;
 use umwelt_api::PriorId;
 use umwelt_api::robot::{
-    Attribution, DERIVED, Description, IDENTIFIED, Method, NOISE, Patch, Robot, Spec,
+    Attribution, DERIVED, Description, IDENTIFIED, Kind, Method, NOISE, Patch, Robot, Spec,
 };
 
 pub(super) const METHODS: &[&str] =
     &["fixed-normal", "fixed-bad", "statistic", "bayesian", "adaptive"];
 pub(super) const ATTRIBUTIONS: &[&str] = &["sent", "played"];
+const KINDS: &[&str] = &["differential", "skid-steer"];
 
 /// What can be said of a robot. "derived" stands for what follows from the rest.
 #[derive(Debug, Args)]
@@ -77,6 +78,17 @@ struct Drive {
     /// Distance between the wheels [default: 0.1]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     track_width: Option<f64>,
+    /// What the wheels do on the ground: differential (they roll) or skid-steer (they slide sideways in turns) [default:
+    /// differential]
+    #[arg(long, value_parser = input::named::<Kind>(KINDS))]
+    kind: Option<Kind>,
+    /// Of skid steer: how far the tracked point moves to the left per radian of turn to the left [default: 0]
+    #[arg(long, value_name = "M/RAD", allow_negative_numbers = true)]
+    sideways: Option<f64>,
+    /// Of skid steer: by what part it turns more per m/s of speed, where --track-width is that of turns in place
+    /// [default: 0]
+    #[arg(long, value_name = "S/M", allow_negative_numbers = true)]
+    turn_by_speed: Option<f64>,
     /// Largest speed of either wheel [default: derived: the largest speed and turn at once, and a quarter more]
     #[arg(long, value_name = "RAD/S", allow_negative_numbers = true)]
     max_wheel_speed: Option<f64>,
@@ -145,6 +157,9 @@ impl Flags {
         say("drive.min_angular_rad_per_s", of(drive.min_turn));
         say("drive.max_linear_acceleration_m_per_s2", of(drive.max_acceleration));
         say("drive.max_angular_acceleration_rad_per_s2", of(drive.max_turn_acceleration));
+        say("drive.kind", of(drive.kind));
+        say("drive.sideways_m_per_rad", of(drive.sideways));
+        say("drive.turn_by_speed_s_per_m", of(drive.turn_by_speed));
         say("drive.lag_s", of(drive.lag));
         say("drive.dead_time_s", of(drive.dead_time));
     }
@@ -256,11 +271,13 @@ fn short(number: f64) -> String {
 
 /// The unit that the name of a field ends with.
 fn unit(path: &str) -> &'static str {
-    const UNITS: [(&str, &str); 9] = [
+    const UNITS: [(&str, &str); 11] = [
         ("_rad_per_s2", "rad/s^2"),
         ("_m_per_s2", "m/s^2"),
         ("_rad_per_s", "rad/s"),
         ("_m_per_s", "m/s"),
+        ("_m_per_rad", "m/rad"),
+        ("_s_per_m", "s/m"),
         ("_rad2", "rad^2"),
         ("_m2", "m^2"),
         ("_rad", "rad"),
@@ -291,5 +308,7 @@ mod tests {
             ("s", "m^2", "")
         );
         assert_eq!(unit("drive.max_angular_acceleration_rad_per_s2"), "rad/s^2");
+        let [sideways, by_speed] = ["sideways_m_per_rad", "turn_by_speed_s_per_m"].map(unit);
+        assert_eq!((sideways, by_speed), ("m/rad", "s/m"));
     }
 }

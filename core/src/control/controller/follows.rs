@@ -48,10 +48,15 @@ impl Follows {
     ) -> Option<Self> {
         let this = this.filter(|_| asks(before) == asks(now))?;
         let shape = |it: &Settings| (it.drive.wheel_radius, it.drive.track_width);
-        if shape(before) == shape(now) {
+        let is_other_kind = before.drive.kind != now.drive.kind;
+        if shape(before) == shape(now) && !is_other_kind {
             return Some(this);
         }
-        let belief = Arc::unwrap_or_clone(this.belief).described_anew(&before.drive, &now.drive);
+        let belief = Arc::unwrap_or_clone(this.belief);
+        if shape(before) == shape(now) {
+            return Some(Self::of(Arc::new(belief.of_another_kind())));
+        }
+        let belief = belief.described_anew(&before.drive, &now.drive);
         let Scale { forward, turn, .. } = belief.scale();
         let is_accepted = forward.abs() < ACCEPTED && turn.abs() < ACCEPTED;
         let track = now.drive.track_width;

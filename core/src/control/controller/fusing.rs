@@ -106,7 +106,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     fn moved(&self, from: RobotTime, until: RobotTime, wheels: WheelSpeeds) -> Commanded {
         let drive = &self.acting.drive;
         let (mut moments, model) =
-            (Moments::new(Pose::default(), PoseNoise::NONE), self.error_model());
+            (Moments::new(drive.kind, Pose::default(), PoseNoise::NONE), self.error_model());
         let (mut pieces, mut motion) = (Pieces::gathered(), Motion::NONE);
         let mut now = wheels;
         let mut advance = |piece: Motion| {

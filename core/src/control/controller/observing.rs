@@ -8,7 +8,7 @@ use crate::exchange::Observation;
 use crate::fusion::Verdict;
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::identification::{self, SampleObserver, Window};
-use crate::kinematics;
+use crate::kinematics::{self, MotionModel};
 use crate::settings::{Attribution, FollowsLink, Settings};
 use crate::time::RobotTime;
 
@@ -140,7 +140,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     }
 
     /// The motion that the commands alone make from the last pose to `until`: added to the window, as one
-    /// displacement, and what the wheels do at its end.
+    /// displacement of the robot's middle, and what the wheels do at its end.
     pub(super) fn nominal(
         &self,
         track: &Track,
@@ -160,7 +160,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             moved = Some(moved.map_or(piece, |moved: Displacement| moved.then(piece)));
             wheels = end;
         });
-        (window, moved.unwrap_or_default(), wheels)
+        (window, acting.of_middle(moved.unwrap_or_default()), wheels)
     }
 
     /// The commands that act on the robot from `from` to `until`: dead time after they come into force.

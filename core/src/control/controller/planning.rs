@@ -137,9 +137,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let pose = track.last.pose;
         let exact = self.judged_noise();
         let (mut prediction, mut pieces) = match *predictor {
-            PredictorKind::Moments => (Prediction::moments(pose, exact), Pieces::gathered()),
+            PredictorKind::Moments => {
+                (Prediction::moments(drive.kind, pose, exact), Pieces::gathered())
+            }
             PredictorKind::MonteCarlo { agents, cell, seed } => {
-                let agents = Agents::new(pose, exact, model, agents, cell, seed ^ sequence);
+                let agents =
+                    Agents::new(drive.kind, pose, exact, model, agents, cell, seed ^ sequence);
                 (Prediction::MonteCarlo(agents), Pieces::apart())
             }
         };

@@ -83,6 +83,28 @@ pub struct ScaleEstimate {
     pub floor: Quantity,
 }
 
+/// Natural logarithm of the evidence from which on skid steer is proposed: a hundred to one.
+pub const PROPOSED_FROM: f64 = 4.605;
+
+/// How a robot differs from a differential drive if it is skid-steer, and the evidence that it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkidEstimate {
+    /// Motion of the tracked point to the left in m per radian of turn to the left. A point that is tracked ahead of the axle
+    /// or behind it moves in the same way.
+    pub sideways: Quantity,
+    /// By what part turns grow per m/s of speed, in s/m.
+    pub turn_by_speed: Quantity,
+    /// Natural logarithm of the evidence of skid steer against differential drive.
+    pub ln_evidence: f64,
+}
+
+impl SkidEstimate {
+    /// Whether the robot is to be proposed to be described as skid steer.
+    pub fn is_proposed(&self) -> bool {
+        self.ln_evidence >= PROPOSED_FROM
+    }
+}
+
 /// What is believed of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveEstimate {
@@ -96,6 +118,8 @@ pub struct DriveEstimate {
     pub prior: Quantity,
     /// Forward motion per forward motion commanded, less one; turn per turn, less one; turn in rad per metre.
     pub scale: [ScaleEstimate; 3],
+    /// Whether it moves as skid steer does; none before any motion.
+    pub skid: Option<SkidEstimate>,
     /// Floors before this one.
     pub floors: u64,
     /// Stretches of motion taken in.

@@ -45,9 +45,9 @@ pub struct Filters<const P: usize> {
 }
 
 impl<const P: usize> Filter<P> {
-    fn step(&mut self, by: SVector<f64, P>, power: f64, seen: f64) {
+    fn step(&mut self, base: f64, by: SVector<f64, P>, power: f64, seen: f64) {
         let with = self.covariance * by;
-        let moved = by[0] + by.dot(&self.mean);
+        let moved = base + by.dot(&self.mean);
         let variance =
             self.variance + self.intensity * power + 2.0 * by.dot(&self.shared) + by.dot(&with);
         let shared = self.shared + with;
@@ -87,8 +87,13 @@ impl<const P: usize> Filters<P> {
     /// Goes on by a motion that moves `by[0]`, and `by` for each unit of the constants, with errors white in time of this
     /// `power`; the next pose was `seen` to lie so far from the last one.
     pub fn step(&mut self, by: [f64; P], power: f64, seen: f64) {
+        self.step_from(by[0], by, power, seen);
+    }
+
+    /// The same by a motion that moves `base` whatever the constants.
+    pub fn step_from(&mut self, base: f64, by: [f64; P], power: f64, seen: f64) {
         for filter in self.filters.iter_mut().flatten() {
-            filter.step(by.into(), power, seen);
+            filter.step(base, by.into(), power, seen);
         }
     }
 

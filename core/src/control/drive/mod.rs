@@ -13,9 +13,11 @@ mod grid;
 mod parts;
 mod recording;
 mod regression;
+mod skid;
+mod spreads;
 mod stretch;
 
-pub use estimate::{DriveEstimate, Quantity, ScaleEstimate};
+pub use estimate::{DriveEstimate, PROPOSED_FROM, Quantity, ScaleEstimate, SkidEstimate};
 pub use grid::{LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
 pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
 pub use stretch::{APART, Commanded, GAP, MAX_POSES, MAX_SPAN, Stretch};
@@ -28,14 +30,8 @@ use grid::{Grid, Hypothesis};
 use parts::{Normal, Parts};
 use regression::{Delay, Regression};
 use serde::{Deserialize, Serialize};
-
-/// Standard deviations of the scale of forward motion and of turns before any sample, of robots and of floors: wheels told
-/// wrong by 2 to 20 % are common, floors make -5 to -30 % of them (field facts). Wheels told wrong by a factor of two are not
-/// rare, and a second of motion outweighs this.
-const SCALE_SPREAD: (f64, f64) = (0.10, 0.07);
-
-/// The same of the drift times the track: of wheels that are unequal by 5 %, and of floors that slip under one of them.
-const DRIFT_SPREAD: (f64, f64) = (0.05, 0.01);
+use skid::SkidBelief;
+use spreads::{DRIFT, OTHER_FLOOR};
 
 /// Standard deviations squared of a pose from where the best hypothesis has it, on average, up to which a stretch says what
 /// it seems to: half of all that are understood stay below one.
@@ -44,18 +40,11 @@ const UNDERSTOOD: f64 = 1.3;
 /// The same from which on a stretch is not understood by any hypothesis, and says nothing.
 const NOT_UNDERSTOOD: f64 = 25.0;
 
-/// Drift of a floor in rad for each metre and metre of track, where its turn ratio varies by one: what presets of floors and
-/// one wheel's slip have in common.
-const DRIFT: f64 = 0.12;
-
 /// Times the described noise from which on it is another one.
 const NOISIER: f64 = 2.0;
 
 /// How often a stretch is judged at most, each time by hypotheses that lie finer or farther.
 const ROUNDS: u32 = 5;
-
-/// Chance that the spread of the slip is the next larger one in the next stretch, or the next smaller.
-const OTHER_FLOOR: f64 = 0.02;
 
 /// What is believed of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,6 +56,9 @@ pub struct DriveBelief {
     forward: Regression<1>,
     /// What of scales and drift belongs to the robot: forward, turn, drift.
     parts: [Parts; 3],
+    /// Whether it moves as skid steer does; none before the first stretch.
+    #[serde(default)]
+    skid: Option<SkidBelief>,
     /// Floors before this one.
     floors: u64,
     /// Stretches of motion taken in, and those that no hypothesis explains.
@@ -97,15 +89,14 @@ impl DriveBelief {
     }
 
     fn with(grid: Grid, track_width: f64) -> Self {
-        let scale = Parts::new(SCALE_SPREAD.0, SCALE_SPREAD.1);
-        let drift = Parts::new(DRIFT_SPREAD.0 / track_width, DRIFT_SPREAD.1 / track_width);
-        let parts = [scale, scale, drift];
+        let parts = spreads::parts(track_width);
         let [forward, turn, drift] = parts.map(|part| part.together());
         Self {
             grid,
             turn: Regression::new([turn, drift]),
             forward: Regression::new([forward]),
             parts,
+            skid: None,
             floors: 0,
             stretches: 0,
             not_understood: 0,
@@ -151,6 +142,13 @@ impl DriveBelief {
                 Regression::mixture(weighted().map(|(it, part)| (it.forward.known, part)));
             self.grid = after;
             self.stretches += 1;
+            // Poses that are worse than described say less of this, too.
+            let worse = surprise.max(1.0).sqrt();
+            let noise =
+                PoseNoise { position: worse * noise.position, heading: worse * noise.heading };
+            let late = self.grid.expected();
+            let skid = self.skid.get_or_insert_with(|| SkidBelief::new(track_width));
+            skid.update(stretch, commanded, noise, late);
             return true;
         }
         self.not_understood += 1;
@@ -217,8 +215,14 @@ impl DriveBelief {
         let [forward, turn, drift] = self.parts.map(|part| part.together());
         self.turn = Regression::new([turn, drift]);
         self.forward = Regression::new([forward]);
+        self.skid = self.skid.map(SkidBelief::on_another_floor);
         self.floors += 1;
         self
+    }
+
+    /// The same belief of a drive that is described as of another kind: what was said of its kind was against the one before.
+    pub fn of_another_kind(self) -> Self {
+        Self { skid: None, ..self }
     }
 
     /// The same belief of a drive that is described as `now` from here on, and was as `before`.
@@ -233,7 +237,8 @@ impl DriveBelief {
             of_turn.rescaled(turn, turn - 1.0),
             of_drift.rescaled(forward, 0.0),
         ];
-        self
+        // What it says of turns is against the track as it was.
+        self.of_another_kind()
     }
 
     /// The dead time and the lag in s that are expected, once any motion has taught them.
@@ -258,6 +263,7 @@ impl DriveBelief {
                 let [robot, floor] = [part.robot(sum), part.floor(sum)].map(Quantity::from);
                 ScaleEstimate { together: sum.into(), robot, floor }
             }),
+            skid: self.skid.as_ref().map(SkidBelief::estimate),
             floors: self.floors,
             stretches: self.stretches,
             not_understood: self.not_understood,

@@ -44,6 +44,8 @@ pub struct Commanded {
 pub struct Seen {
     /// Distance in m ahead, in the mean direction of the two.
     pub driven: f64,
+    /// Distance in m to the left of that direction.
+    pub aside: f64,
     /// Turn in rad.
     pub turned: f64,
 }
@@ -54,7 +56,7 @@ impl Seen {
         let turned = to.pose.heading.minus(from.pose.heading);
         let (sin, cos) = sin_cos(from.pose.heading.radians() + turned / 2.0);
         let (x, y) = (to.pose.x - from.pose.x, to.pose.y - from.pose.y);
-        Self { driven: x * cos + y * sin, turned }
+        Self { driven: x * cos + y * sin, aside: y * cos - x * sin, turned }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::exchange::Observation;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Twist};
 use crate::horizon::SLOT;
-use crate::kinematics::{self, Drive};
+use crate::kinematics::{self, Drive, MotionModel};
 use crate::prediction::{ERROR_WINDOW, Motion};
 use crate::settings::PoseNoise;
 
@@ -23,7 +23,8 @@ const CONSTANT: f64 = 0.2;
 /// Below this part of the smallest speeds a window counts as rest: what a lag leaves over.
 const STANDSTILL: f64 = 0.1;
 
-/// The motion that commands alone would make, with the actuator's lag, since the window's first pose.
+/// The motion that commands alone would make of the robot's turning centre, with the actuator's lag, since the window's first
+/// pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// The pose at its beginning.
@@ -112,12 +113,18 @@ impl Window {
         if slots < WINDOW_SLOTS || (too_small && slots < MAX_WINDOW_SLOTS) {
             return Verdict::Open;
         }
-        Verdict::Closed(self.samples(noise, end, drives, turns))
+        let measured = drive.of_centre(end.pose.relative_to(self.start.pose));
+        Verdict::Closed(self.samples(noise, measured, drives, turns))
     }
 
-    fn samples(&self, noise: PoseNoise, end: &Observation, drives: bool, turns: bool) -> Samples {
+    fn samples(
+        &self,
+        noise: PoseNoise,
+        measured: Displacement,
+        drives: bool,
+        turns: bool,
+    ) -> Samples {
         let Motion { length, turn, duration, length_power, turn_power } = self.motion;
-        let measured = end.pose.relative_to(self.start.pose);
         // The error along and across the direction of motion: that of the chord, at half the turn.
         let (sin, cos) = sin_cos(turn / 2.0);
         let ahead = measured.forward - self.nominal.forward;

@@ -18,6 +18,7 @@ pub use pieces::Pieces;
 pub use spread::Spread;
 
 use crate::geometry::Pose;
+use crate::kinematics::Kind;
 use crate::settings::PoseNoise;
 
 /// A prediction under way, by either predictor.
@@ -30,9 +31,9 @@ pub enum Prediction {
 }
 
 impl Prediction {
-    /// Starts at an observed pose, by moments.
-    pub fn moments(pose: Pose, noise: PoseNoise) -> Self {
-        Self::Moments(Moments::new(pose, noise))
+    /// Starts at an observed pose of a robot of this kind, by moments.
+    pub fn moments(kind: Kind, pose: Pose, noise: PoseNoise) -> Self {
+        Self::Moments(Moments::new(kind, pose, noise))
     }
 
     /// Goes on by one commanded motion.

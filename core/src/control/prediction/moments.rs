@@ -5,6 +5,7 @@ use super::motion::Motion;
 use super::spread::Spread;
 use crate::geometry::Pose;
 use crate::geometry::elementary::{exp, sin_cos, sinc_cos};
+use crate::kinematics::Kind;
 use crate::settings::PoseNoise;
 use nalgebra::Matrix3;
 
@@ -16,8 +17,12 @@ use nalgebra::Matrix3;
 /// Var(heading) = E\[sigma^2\] (sum phi^2 + (sum phi)^2/k_n). Positions follow the arc's chord at half the turn,
 /// shortened by e^(-V/2) for a heading of variance V; terms of second order in V are left out of the covariance,
 /// which is good to a few percent below the heading threshold of 0.1 rad^2.
+///
+/// All that is carried is of the robot's turning centre; what is shown is of its middle, which lies ahead of that or behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
+    /// How far in m the middle lies ahead of the turning centre.
+    sideways: f64,
     x: f64,
     y: f64,
     heading: f64,
@@ -43,15 +48,42 @@ struct Symmetric {
     hh: f64,
 }
 
+impl Symmetric {
+    /// Position and covariance of a point `by` m ahead of one at (x, y) with this covariance: the offset is expected
+    /// shortened by e^(-V/2) for a heading of variance V, and turns with the heading.
+    fn ahead(self, x: f64, y: f64, heading: f64, by: f64) -> (f64, f64, Self) {
+        if by == 0.0 {
+            return (x, y, self);
+        }
+        let Self { xx, xy, yy, xh, yh, hh } = self;
+        let (sin, cos) = sin_cos(heading);
+        let by = by * exp(-hh / 2.0);
+        let (dx, dy) = (by * cos, by * sin);
+        let moved = Self {
+            xx: xx - 2.0 * dy * xh + dy * dy * hh,
+            xy: xy + dx * xh - dy * yh - dx * dy * hh,
+            yy: yy + 2.0 * dx * yh + dx * dx * hh,
+            xh: xh - dy * hh,
+            yh: yh + dx * hh,
+            hh,
+        };
+        (x + dx, y + dy, moved)
+    }
+}
+
 impl Moments {
-    /// A pose as observed, with the noise of observing it.
-    pub fn new(pose: Pose, noise: PoseNoise) -> Self {
+    /// A pose as observed, with the noise of observing it, of a robot of this kind.
+    pub fn new(kind: Kind, pose: Pose, noise: PoseNoise) -> Self {
         let (p, h) = (noise.position * noise.position, noise.heading * noise.heading);
+        let (heading, sideways) = (pose.heading.radians(), kind.sideways());
+        let known = Symmetric { xx: p, xy: 0.0, yy: p, xh: 0.0, yh: 0.0, hh: h };
+        let (x, y, known) = known.ahead(pose.x, pose.y, heading, -sideways);
         Self {
-            x: pose.x,
-            y: pose.y,
-            heading: pose.heading.radians(),
-            known: Symmetric { xx: p, xy: 0.0, yy: p, xh: 0.0, yh: 0.0, hh: h },
+            sideways,
+            x,
+            y,
+            heading,
+            known,
             by_forward: (0.0, 0.0),
             by_turn: [0.0; 3],
             by_drift: [0.0; 3],
@@ -131,6 +163,7 @@ impl Moments {
             yh: yh + dx * around_h,
             hh: hh + turn_variance,
         };
+        after.sideways = self.sideways;
         after.x = self.x + dx;
         after.y = self.y + dy;
         after.heading = self.heading + turned;
@@ -164,18 +197,27 @@ impl Moments {
 
     /// The expected pose.
     pub fn mean(&self) -> Pose {
-        Pose::new(self.x, self.y, self.heading)
+        if self.sideways == 0.0 {
+            return Pose::new(self.x, self.y, self.heading);
+        }
+        let (x, y, _) = self.of_middle();
+        Pose::new(x, y, self.heading)
+    }
+
+    /// Position and covariance of the middle.
+    fn of_middle(&self) -> (f64, f64, Symmetric) {
+        self.total().ahead(self.x, self.y, self.heading, self.sideways)
     }
 
     /// Covariance of (x, y, heading) in m and rad.
     pub fn covariance(&self) -> Matrix3<f64> {
-        let Symmetric { xx, xy, yy, xh, yh, hh } = self.total();
+        let (_, _, Symmetric { xx, xy, yy, xh, yh, hh }) = self.of_middle();
         Matrix3::new(xx, xy, xh, xy, yy, yh, xh, yh, hh)
     }
 
     /// The variances that the variance rule looks at.
     pub fn spread(&self) -> Spread {
-        let Symmetric { xx, xy, yy, hh, .. } = self.total();
+        let (_, _, Symmetric { xx, xy, yy, hh, .. }) = self.of_middle();
         Spread::new(xx, yy, xy, hh)
     }
 }

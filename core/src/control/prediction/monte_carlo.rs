@@ -5,6 +5,7 @@ use super::motion::Motion;
 use super::spread::Spread;
 use crate::geometry::elementary::sin_cos;
 use crate::geometry::{Displacement, Pose};
+use crate::kinematics::Kind;
 use crate::settings::PoseNoise;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{ChiSquared, StandardNormal};
@@ -29,12 +30,15 @@ pub struct Agents {
     agents: Vec<Agent>,
     random: Pcg64Mcg,
     cell: f64,
+    /// Motion to the left in m per radian of turn.
+    sideways: f64,
 }
 
 impl Agents {
-    /// `agents` robots (at least one) at an observed pose; `cell` is the edge of a table cell in m, and ten times
+    /// `agents` robots of this kind (at least one) at an observed pose; `cell` is the edge of a table cell in m, and ten times
     /// as many rad for the heading.
     pub fn new(
+        kind: Kind,
         pose: Pose,
         noise: PoseNoise,
         model: &ErrorModel,
@@ -52,7 +56,7 @@ impl Agents {
                     .map(|channel| draw(channel, &mut random)),
             })
             .collect();
-        Self { agents, random, cell }
+        Self { agents, random, cell, sideways: kind.sideways() }
     }
 
     /// Moves every agent by one commanded motion with errors of its own.
@@ -67,7 +71,10 @@ impl Agents {
                 agent.channels.map(|(mean, sd)| mean + sd * share * normal(&mut self.random));
             let turned = turn * (1.0 + around) + length * drift;
             let (sin, cos) = sin_cos(agent.heading + turned / 2.0);
-            let (ahead, aside) = (length * (1.0 + forward), length * lateral);
+            let (ahead, mut aside) = (length * (1.0 + forward), length * lateral);
+            if self.sideways != 0.0 {
+                aside += self.sideways * turned;
+            }
             agent.x += ahead * cos - aside * sin;
             agent.y += ahead * sin + aside * cos;
             agent.heading += turned;
@@ -160,6 +167,7 @@ mod tests {
     use super::super::{Moments, Prediction};
     use super::*;
     use crate::conjugate::NormalInverseChiSquared;
+    use crate::kinematics::SkidSteer;
 
     const AGENTS: usize = 40_000;
 
@@ -171,11 +179,11 @@ mod tests {
         [vec![turning; 8], vec![driving; 20]].concat()
     }
 
-    fn both(model: &ErrorModel) -> (Moments, Agents) {
+    fn both(kind: Kind, model: &ErrorModel) -> (Moments, Agents) {
         let (pose, noise) =
             (Pose::new(0.2, -0.1, 2.9), PoseNoise { position: 0.0005, heading: 0.003 });
-        let mut moments = Moments::new(pose, noise);
-        let mut agents = Agents::new(pose, noise, model, AGENTS, 1e-5, 7);
+        let mut moments = Moments::new(kind, pose, noise);
+        let mut agents = Agents::new(kind, pose, noise, model, AGENTS, 1e-5, 7);
         for motion in drive() {
             moments.advance(model, motion);
             agents.advance(motion);
@@ -183,8 +191,16 @@ mod tests {
         (moments, agents)
     }
 
+    /// Of every kind; the middle of a skid-steer robot also spreads as its heading does, by up to 4 cm here.
     fn compare(model: &ErrorModel, tolerance: f64) {
-        let (moments, agents) = both(model);
+        let skid = |sideways| Kind::SkidSteer(SkidSteer { sideways, turn_by_speed: 0.0 });
+        for kind in [Kind::Differential, skid(0.04), skid(-0.04)] {
+            compare_kind(kind, model, tolerance);
+        }
+    }
+
+    fn compare_kind(kind: Kind, model: &ErrorModel, tolerance: f64) {
+        let (moments, agents) = both(kind, model);
         let (expected, got) = (agents.spread(), moments.spread());
         assert!((got.position / expected.position - 1.0).abs() < tolerance, "{got:?} {expected:?}");
         assert!((got.heading / expected.heading - 1.0).abs() < tolerance, "{got:?} {expected:?}");
@@ -229,7 +245,7 @@ mod tests {
         let posterior = NormalInverseChiSquared::new(0.0, 2.0, 6.0, 0.04).expect("valid");
         let model =
             ErrorModel { turn: ChannelModel::from_posterior(posterior), ..ErrorModel::PERFECT };
-        let mut moments = Moments::new(Pose::default(), PoseNoise::default());
+        let mut moments = Moments::new(Kind::Differential, Pose::default(), PoseNoise::default());
         let phi = 0.1;
         for _ in 0..20 {
             moments.advance(&model, Motion::arc(0.0, phi, 0.1));
@@ -248,7 +264,8 @@ mod tests {
             ..ErrorModel::PERFECT
         };
         let spread = |pieces: u32| {
-            let mut prediction = Prediction::moments(Pose::default(), PoseNoise::default());
+            let mut prediction =
+                Prediction::moments(Kind::Differential, Pose::default(), PoseNoise::default());
             let share = 1.0 / f64::from(pieces);
             for _ in 0..pieces {
                 let motion = Motion::arc(0.02 * share, 0.05 * share, 0.15 * share);
@@ -264,7 +281,8 @@ mod tests {
     /// No variance: the moments go where the arc goes.
     #[test]
     fn without_errors_the_prediction_is_the_arc() {
-        let mut prediction = Prediction::moments(Pose::new(1.0, 2.0, 0.5), PoseNoise::default());
+        let mut prediction =
+            Prediction::moments(Kind::Differential, Pose::new(1.0, 2.0, 0.5), PoseNoise::default());
         for _ in 0..100 {
             let motion = Motion::arc(0.0013, 0.01, 0.01);
             prediction.advance(&ErrorModel::PERFECT, motion);

@@ -71,6 +71,7 @@ mod tests {
     use super::*;
     use crate::geometry::Pose;
     use crate::horizon::SLOT;
+    use crate::kinematics::Kind;
     use crate::prediction::{ChannelModel, ErrorModel, Moments};
     use crate::settings::PoseNoise;
     use proptest::prelude::*;
@@ -133,7 +134,7 @@ mod tests {
                 drift: ChannelModel::known(0.1, 0.01),
             };
             let [one, other] = [Pieces::apart(), Pieces::gathered()].map(|pieces| {
-                let mut moments = Moments::new(Pose::new(0.1, 0.2, heading), PoseNoise::CAMERA);
+                let mut moments = Moments::new(Kind::Differential, Pose::new(0.1, 0.2, heading), PoseNoise::CAMERA);
                 gather(pieces, &twists).into_iter().for_each(|motion| moments.advance(&model, motion));
                 moments
             });

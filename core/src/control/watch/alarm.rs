@@ -215,7 +215,7 @@ impl Oddity {
                 "describe the camera's noise (noise.position_m, noise.heading_rad) and the drive's lag_s and dead_time_s"
             }
             Self::ShiftPerRadian(_) => {
-                "track the middle between the wheels, or have the tracker correct for where its marker sits"
+                "track the middle between the wheels, have the tracker correct for where its marker sits, or describe a skid-steered robot as one"
             }
             Self::OneWheel { left: true } => "check the left wheel's motor, driver and plug",
             Self::OneWheel { left: false } => "check the right wheel's motor, driver and plug",

@@ -2,7 +2,7 @@
 
 use crate::exchange::{Observation, PoseNoise};
 use crate::geometry::Displacement;
-use crate::kinematics::Drive;
+use crate::kinematics::{Drive, MotionModel};
 use crate::time::RobotTime;
 
 /// Shortest cell in s: three slots, so that one lost or late command is not all of it.
@@ -123,8 +123,8 @@ impl Evidence {
         (self.count, self.open, self.stretch) = (0, None, None);
     }
 
-    /// The newest motion: what was commanded, in m or rad, and what was seen forward, to the left and turned, in the
-    /// commanded direction.
+    /// The newest motion: what was commanded, in m or rad, and what was seen of the turning centre forward, to the left and
+    /// turned, in the commanded direction.
     pub fn newest(&self) -> (f64, [f64; 3]) {
         let Cell { commanded, seen, .. } = self.cells[(self.next + CELLS - 1) % CELLS];
         (commanded, seen)
@@ -134,6 +134,7 @@ impl Evidence {
     /// ended, if it did.
     pub fn push(&mut self, drive: &Drive, step: &Step, least: [f64; 2]) -> Option<Kind> {
         let Step { from, to, commanded, .. } = step;
+        let commanded = drive.of_centre(*commanded);
         let span = to.taken - from.taken;
         let (forward, turn) = (commanded.forward, commanded.turn);
         let is_active = forward.abs() >= COMMANDED * drive.min_linear * span
@@ -146,7 +147,7 @@ impl Evidence {
                 return None;
             }
             self.stretch = None;
-            return self.close(to);
+            return self.close(drive, to);
         }
         let in_place = forward.abs() < drive.track_width / 2.0 * turn.abs();
         let (kind, motion) = if in_place { (Kind::Turn, turn) } else { (Kind::Drive, forward) };
@@ -155,7 +156,7 @@ impl Evidence {
         if let Some(open) = &self.open
             && (open.cell.kind, open.cell.side) != (kind, side)
         {
-            ended = self.close(from);
+            ended = self.close(drive, from);
         }
         let since = match self.stretch {
             Some((now, way, since)) if (now, way) == (kind, side) => since,
@@ -177,18 +178,18 @@ impl Evidence {
         let is_long = cell.commanded >= least[kind as usize] || cell.span >= LONGEST_CELL;
         if cell.span >= CELL && is_long {
             let active = open.active;
-            ended = self.close(to);
+            ended = self.close(drive, to);
             self.open = Some(Open { start: *to, cell: new(to), active });
         }
         ended
     }
 
-    fn close(&mut self, end: &Observation) -> Option<Kind> {
+    fn close(&mut self, drive: &Drive, end: &Observation) -> Option<Kind> {
         let Open { start, mut cell, .. } = self.open.take()?;
         if cell.span == 0.0 {
             return None;
         }
-        let moved = end.pose.relative_to(start.pose);
+        let moved = drive.of_centre(end.pose.relative_to(start.pose));
         cell.until = end.taken;
         cell.seen = [moved.forward, moved.lateral, moved.turn].map(|it| cell.side * it);
         self.cells[self.next] = cell;

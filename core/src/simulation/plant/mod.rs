@@ -1,4 +1,4 @@
-//! A simulated robot: two-wheel kinematics, actuator lag and dead time, slip of the floor, noise of the camera.
+//! A simulated robot: the motion model of its kind, actuator lag and dead time, slip of the floor, noise of the camera.
 //!
 //! Slip is a ratio error of the commanded motion, white in time. It is drawn per **cell** of 10 ms of the plant's own
 //! time and held within it, so the path does not depend on how a time span is cut into calls, and two plants of one
@@ -6,9 +6,9 @@
 
 use crate::draws::{Draws, Stream};
 use crate::exchange::PoseNoise;
-use crate::geometry::elementary::{least, sin_cos, sinc_cos};
+use crate::geometry::elementary::least;
 use crate::geometry::{Pose, Twist, WheelSpeeds};
-use crate::kinematics::{self, Drive};
+use crate::kinematics::{self, Drive, Errors, Kind, MotionModel, SkidSteer};
 use arrayvec::ArrayVec;
 
 mod lateness;
@@ -60,6 +60,14 @@ pub enum PlantError {
         /// Its value.
         value: f64,
     },
+    /// A number of either sign is not finite.
+    #[error("{field} is {value}, it must be finite")]
+    NotFinite {
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// The dead time is longer than the limit.
     #[error("a dead time of {value} s is longer than {MAX_DEAD_TIME} s")]
     DeadTime {
@@ -99,6 +107,13 @@ impl PlantModel {
         ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(PlantError::Negative { field, value });
+            }
+        }
+        if let Kind::SkidSteer(SkidSteer { turn_by_speed, sideways }) = drive.kind {
+            for (field, value) in [("turn_by_speed", turn_by_speed), ("sideways", sideways)] {
+                if !value.is_finite() {
+                    return Err(PlantError::NotFinite { field, value });
+                }
             }
         }
         if drive.dead_time > MAX_DEAD_TIME {
@@ -297,35 +312,27 @@ impl Plant {
                 self.errors[..asked].fill_with(|| draws.normal());
                 self.asked = asked;
             }
-            self.pose = slipped(self.pose, &self.model.slip, length, turn, self.errors);
+            let errors = ratios(&self.model.slip, self.errors);
+            self.pose = drive.next(self.pose, length, turn, &errors);
         }
         self.time += duration;
         self.cell_left -= duration;
     }
 }
 
-/// The pose after a commanded arc of `length` m and `turn` rad from `pose` within a cell, on a floor with `slip`.
+/// The errors of a motion within a cell, on a floor with `slip`.
 ///
 /// A ratio error is mean + sd sqrt(window/cell) z, so that over a cell of h = 10 ms the forward error is
-/// l mean + N(0, sd^2 0.1 s l^2/h). Forward and sideways speed and turning rate are constant: the exact arc of both,
-/// whose chord points at half the turn.
-fn slipped(pose: Pose, slip: &Slip, length: f64, turn: f64, z: [f64; 4]) -> Pose {
+/// l mean + N(0, sd^2 0.1 s l^2/h).
+fn ratios(slip: &Slip, z: [f64; 4]) -> Errors {
     let scale = (SLIP_WINDOW / CELL).sqrt();
     let ratio = |channel: SlipChannel, z: f64| channel.mean() + channel.sd() * scale * z;
     let [around, drift, forward, lateral] = z;
-    let turn = turn * (1.0 + ratio(slip.turn, around));
-    if length == 0.0 {
-        return Pose { heading: pose.heading + turn, ..pose };
-    }
-    let turn = turn + length * ratio(slip.drift, drift);
-    let forward = length * (1.0 + ratio(slip.forward, forward));
-    let lateral = length * ratio(slip.lateral, lateral);
-    let (sinc, _) = sinc_cos(turn / 2.0);
-    let (sin, cos) = sin_cos(pose.heading.radians() + turn / 2.0);
-    Pose {
-        x: pose.x + sinc * (cos * forward - sin * lateral),
-        y: pose.y + sinc * (sin * forward + cos * lateral),
-        heading: pose.heading + turn,
+    Errors {
+        forward: ratio(slip.forward, forward),
+        lateral: ratio(slip.lateral, lateral),
+        turn: ratio(slip.turn, around),
+        drift: ratio(slip.drift, drift),
     }
 }
 

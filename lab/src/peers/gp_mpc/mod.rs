@@ -190,7 +190,7 @@ impl PoseEstimator for GpEstimator {
     ) -> Prediction {
         // How unsure the pose is does not matter: the variance rule is off.
         let pose = predicted.mean().then(self.missed(taken, begins));
-        Prediction::moments(pose, settings.noise)
+        Prediction::moments(settings.drive.kind, pose, settings.noise)
     }
 }
 

@@ -14,7 +14,7 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use umwelt_core::geometry::WheelSpeeds;
 use umwelt_core::horizon::SLOT;
-use umwelt_core::kinematics;
+use umwelt_core::kinematics::{self, MotionModel};
 
 /// Time in s for which a line may wait to be written: beyond it the output is blocked.
 pub(super) const BLOCKED: f64 = 0.5;
@@ -34,7 +34,8 @@ const RETRY: Duration = Duration::from_millis(2);
 pub enum Output {
     /// `left_rad_per_s` and `right_rad_per_s`.
     Wheels,
-    /// `linear_m_per_s` and `angular_rad_per_s` of a robot with this drive.
+    /// `linear_m_per_s` and `angular_rad_per_s` of wheels of this drive that roll: what a base is told that makes the same
+    /// wheel speeds of them.
     Twist(kinematics::Drive),
 }
 
@@ -62,7 +63,7 @@ impl Output {
                 right_rad_per_s: speeds.right + 0.0,
             }),
             Self::Twist(drive) => {
-                let twist = kinematics::forward(&drive, speeds);
+                let twist = drive.wheels().forward(speeds);
                 serde_json::to_vec(&TwistLine {
                     t_s: now,
                     linear_m_per_s: twist.linear + 0.0,

@@ -3,7 +3,8 @@
 use super::{Form, Unfit, Unreadable, former};
 use crate::store::{Record, Told};
 use serde::{Deserialize, Serialize};
-use umwelt_api::{robot, task};
+use serde_json::Value;
+use umwelt_api::{Checked, robot, task};
 use umwelt_core::controller::Saved;
 use umwelt_core::settings::Settings;
 
@@ -42,6 +43,17 @@ pub(crate) fn of_record(record: &Record) -> Result<String, Unfit> {
     if is_exact { Ok(body) } else { Err(unfit) }
 }
 
+/// Fields that came after it was kept what was said.
+const LATER: [&str; 3] = ["drive.kind", "drive.turn_by_speed_s_per_m", "drive.sideways_m_per_rad"];
+
+/// What was said of a robot of which that was not kept: every field that there was then.
+fn all_of_then(settings: &robot::Spec) -> robot::Description {
+    let all = robot::Description::from(settings);
+    let mut patch = robot::Patch::default();
+    LATER.iter().for_each(|path| patch.set(path, Value::Null));
+    robot::Description::read(&all.patched(&patch)).map_or(all, Checked::into_inner)
+}
+
 /// The robot of a body.
 pub(crate) fn record(body: &str, revision: u64) -> Result<Record, Unreadable> {
     FORM.read_with(body, |mut content| {
@@ -52,7 +64,7 @@ pub(crate) fn record(body: &str, revision: u64) -> Result<Record, Unreadable> {
         let content: Content = serde_json::from_value(content).map_err(|it| it.to_string())?;
         let Content { settings, prior, said, task, stopped } = content;
         let values = prior.convert().map_err(|error| error.to_string())?;
-        let said = said.unwrap_or_else(|| robot::Description::from(&settings));
+        let said = said.unwrap_or_else(|| all_of_then(&settings));
         Ok::<_, String>(Record {
             told: Told {
                 settings: said.identify(settings.convert(values)),

@@ -2,10 +2,11 @@
 
 use super::super::compensation::{PathFollower, Way};
 use super::roll::Roll;
-use crate::geometry::{Point, Twist, length};
+use super::sight::Sight;
+use crate::geometry::{Point, Twist};
+use crate::kinematics::MotionModel;
 use crate::steering;
 use crate::task::Limit;
-use std::f64::consts::FRAC_PI_2;
 
 /// A parabola that starts with a heading error strays from its chord by this part of error x distance.
 pub(super) const STRAY: f64 = 0.25;
@@ -21,6 +22,11 @@ pub(super) enum Approach {
 }
 
 impl<F: PathFollower> Roll<'_, F> {
+    /// A point as it is seen from the pose to which the robot coasts.
+    pub(super) fn sight(&self, target: Point) -> Sight {
+        Sight::new(self.coasted(), target, self.settings.drive.sideways())
+    }
+
     /// The way to `target`, forward or in reverse, from the pose to which the robot coasts; `from` is where the leg
     /// begins.
     pub(super) fn approach(
@@ -31,11 +37,10 @@ impl<F: PathFollower> Roll<'_, F> {
         tolerance: f64,
     ) -> Approach {
         let (drive, law) = (&self.settings.drive, &self.settings.steering);
-        let pose = self.coasted();
-        let (ahead, aside) = pose.toward(target);
-        let distance = length(ahead, aside);
-        let onward = if reverse { -ahead } else { ahead };
-        let error = heading_error(ahead, aside, reverse).abs();
+        let sight = self.sight(target);
+        let (reverse, distance) = (sight.reverse(reverse), sight.distance);
+        let onward = if reverse { -sight.ahead } else { sight.ahead };
+        let error = sight.off_heading(reverse);
         // Far off, or off by so much at so great a distance that the curve would leave the path: as after a silence
         // in the middle of a turn. Close to the point neither is worth a stop.
         let strays = error > 2.0 * law.turn_tolerance && STRAY * error * distance > tolerance;
@@ -55,11 +60,12 @@ impl<F: PathFollower> Roll<'_, F> {
             drive.max_linear_acceleration,
             self.settings.slot,
         );
+        let (pose, to) = sight.steered(reverse);
         let way = Way {
             pose,
             previous: self.state.previous,
             from,
-            to: target,
+            to,
             reverse,
             stoppable,
             slowest: self.least.linear,
@@ -69,10 +75,4 @@ impl<F: PathFollower> Roll<'_, F> {
         let (twist, limit) = self.follower.steer(self.settings, &way);
         Approach::Go(twist, limit)
     }
-}
-
-/// The turn in rad that points the robot, or its tail where it may reverse to what lies behind, at a point.
-pub(super) fn heading_error(ahead: f64, aside: f64, reverse: bool) -> f64 {
-    let error = aside.atan2(ahead);
-    if reverse && error.abs() > FRAC_PI_2 { (-aside).atan2(-ahead) } else { error }
 }

@@ -1,11 +1,11 @@
 //! What each phase of a task wants of the robot, and when the next one begins.
 
 use super::super::compensation::PathFollower;
-use super::approach::{Approach, STRAY, heading_error};
+use super::approach::{Approach, STRAY};
 use super::phase::{Phase, REST_SLOTS};
 use super::roll::Roll;
 use crate::check::{Part, Wiggle};
-use crate::geometry::{Displacement, Pose, Twist, length};
+use crate::geometry::{Displacement, Pose, Twist};
 use crate::steering;
 use crate::task::{Limit, Task};
 use crate::time::RobotTime;
@@ -125,25 +125,24 @@ impl<F: PathFollower> Roll<'_, F> {
     }
 
     fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {
-        let (drive, pose, target) = (&self.settings.drive, self.coasted(), task.waypoints[leg]);
+        let target = task.waypoints[leg];
+        let (drive, sight) = (&self.settings.drive, self.sight(target));
         // Of unequal wheels more and more is known: what was a turn in place no longer is to the last digit.
         let in_place = if drive.unequal == 0.0 { 0.0 } else { IN_PLACE * drive.min_linear };
         if self.state.previous.linear.abs() > in_place {
             return Some(Twist::ZERO);
         }
-        let (ahead, aside) = pose.toward(target);
         // Where the robot stands on the point, its direction is noise: nothing to turn to.
-        let distance = length(ahead, aside);
-        if distance <= task.tolerance {
+        if sight.distance <= task.tolerance {
             self.state.phase = Phase::Stopping { leg, since: None };
             return None;
         }
-        let error = heading_error(ahead, aside, self.may_reverse(task, target));
+        let error = sight.turn(self.may_reverse(task, target));
         let good_enough = self.good_enough(task, target);
         if side == 0 {
             // The curve may stray by the stop radius; more is worth a turn in place.
             let law = &self.settings.steering;
-            let worth = law.stop_radius / (STRAY * distance);
+            let worth = law.stop_radius / (STRAY * sight.range);
             let worth = worth.clamp(WORTH_TURNING, law.turn_tolerance.max(WORTH_TURNING));
             let worth = worth.max(good_enough);
             if error.abs() <= worth {

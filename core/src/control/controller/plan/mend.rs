@@ -10,6 +10,7 @@ use super::super::compensation::PathFollower;
 use super::roll::Roll;
 use crate::geometry::elementary::least;
 use crate::geometry::{Point, Twist, length};
+use crate::kinematics::MotionModel;
 use crate::settings::Method;
 use crate::steering;
 use crate::task::Task;
@@ -23,7 +24,9 @@ const ASIDE: f64 = 0.5;
 impl<F: PathFollower> Roll<'_, F> {
     /// Whether a robot that would come to rest where it is predicted to has missed `target` by little.
     fn is_near(&self, task: &Task, target: Point) -> bool {
+        // One that turns about another point has a way of its own.
         self.settings.method == Method::Adaptive
+            && self.settings.drive.sideways() == 0.0
             && self.coasted().point().distance(target) <= NEAR * task.tolerance
     }
 
@@ -39,7 +42,7 @@ impl<F: PathFollower> Roll<'_, F> {
         let (ahead, _) = pose.toward(target);
         let speed = self.state.previous.linear;
         if !self.is_near(task, target) {
-            task.reverse && ahead < 0.0
+            task.reverse && self.sight(target).is_behind()
         } else if speed != 0.0 && pose.point().distance(target) <= task.tolerance {
             speed < 0.0
         } else {

@@ -5,6 +5,7 @@ mod decide;
 mod mend;
 mod phase;
 mod roll;
+mod sight;
 mod square;
 
 pub use phase::{Phase, Phases, REST_SLOTS};

@@ -3,7 +3,7 @@
 use super::super::compensation::PathFollower;
 use super::phase::Phase;
 use crate::geometry::{Pose, Twist, WheelSpeeds};
-use crate::kinematics;
+use crate::kinematics::{self, MotionModel};
 use crate::prediction::{ErrorModel, Motion, Prediction};
 use crate::settings::Settings;
 use crate::task::{Limit, Task};
@@ -147,7 +147,7 @@ impl<F: PathFollower> Roll<'_, F> {
             return mean;
         }
         let twist = kinematics::forward(drive, self.state.wheels);
-        mean.then(kinematics::integrate(twist, drive.lag))
+        mean.then(drive.of_middle(kinematics::integrate(twist, drive.lag)))
     }
 }
 
