@@ -186,3 +186,34 @@ impl Validate for Noise {
         check.number("heading_rad", self.heading_rad, HEADING_NOISE);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::reason;
+
+    /// Guards against: numbers of skid steer that are taken and have no effect, or that turn a robot round.
+    #[test]
+    fn what_skid_steer_says_goes_with_it_and_means_something() {
+        let wrong = |drive: Drive| match drive.validate() {
+            Ok(()) => Vec::new(),
+            Err(problems) => {
+                problems.details().iter().map(|it| (it.field.clone(), it.reason.clone())).collect()
+            }
+        };
+        let skid = Drive {
+            kind: Kind::SkidSteer,
+            turn_by_speed_s_per_m: -2.0,
+            sideways_m_per_rad: 0.05,
+            ..Drive::default()
+        };
+        assert_eq!(wrong(skid), []);
+        let rolls = Drive { kind: Kind::Differential, ..skid };
+        let inconsistent = |field: &str| (field.to_owned(), reason::INCONSISTENT.to_owned());
+        let fields = ["turn_by_speed_s_per_m", "sideways_m_per_rad"].map(inconsistent);
+        assert_eq!(wrong(rolls), fields);
+        // Its fastest wheels run at 0.24 m/s.
+        let turns_round = Drive { turn_by_speed_s_per_m: -2.1, ..skid };
+        assert_eq!(wrong(turns_round), [inconsistent("turn_by_speed_s_per_m")]);
+    }
+}

@@ -79,6 +79,8 @@ fn drive() -> impl Strategy<Value = Value> {
     let scales = vec![
         json!({}),
         json!({"lag_s": 0.1, "dead_time_s": 0.04}),
+        json!({"kind": "skid-steer", "sideways_m_per_rad": 0.05, "turn_by_speed_s_per_m": -1.5}),
+        json!({"kind": "skid-steer", "sideways_m_per_rad": -0.03, "turn_by_speed_s_per_m": 2.0}),
         drive(0.005, 0.02, 20.0, 0.08, 4.0),
         drive(0.033, 0.16, 6.6, 0.22, 2.8),
         drive(0.08, 0.35, 14.0, 1.0, 2.0),

@@ -58,6 +58,11 @@ impl Sim {
         Self { is_as_described: true, ..self }
     }
 
+    /// What it really is.
+    pub fn model(&self) -> &PlantModel {
+        self.plant.model()
+    }
+
     /// The same whose wheels do this on the ground, whatever the server says.
     pub fn with_kind(self, kind: Option<kinematics::Kind>) -> Self {
         Self { kind, ..self }

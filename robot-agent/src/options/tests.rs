@@ -1,4 +1,5 @@
 use super::*;
+use umwelt_agent::drive::Drive as _;
 use clap::CommandFactory;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::SlipChannel;
@@ -42,9 +43,26 @@ fn what_is_asked_for_is_what_runs() {
     assert!(matches!(plan.which, Which::Sim(_)));
 }
 
+/// Guards against: a simulated robot that becomes of the kind that it is described as, where another one was asked for.
+#[test]
+fn a_simulated_robot_can_be_of_another_kind_than_described() {
+    let kind = |arguments: &[&str]| {
+        let Which::Sim(mut sim) = plan(arguments).unwrap().which else { panic!("no simulation") };
+        let before = sim.model().drive.kind;
+        sim.describe(&Drive::default());
+        (before, sim.model().drive.kind)
+    };
+    let skid = Kind::SkidSteer(SkidSteer { turn_by_speed: 0.5, sideways: -0.02 });
+    let said = ["--kind", "skid-steer", "--sideways", "-0.02", "--turn-by-speed", "0.5"];
+    assert_eq!(kind(&said), (skid, skid));
+    assert_eq!(kind(&[]), (Kind::Differential, Kind::Differential));
+}
+
 #[test]
 fn a_wrong_call_says_what_is_wrong() {
     for (arguments, reason) in [
+        (&["--kind", "differential", "--sideways", "0.1"] as &[&str], "--kind skid-steer only"),
+        (&["--drive", "pipe", "--kind", "skid-steer"], "--kind goes with --drive sim only"),
         (&["--link", "worse"] as &[&str], "neither one of clean, normal"),
         (&["--link", "trace:/nowhere.csv"], "/nowhere.csv: No such file"),
         (&["--drive", "pipe", "--slip", "oily"], "--slip goes with --drive sim only"),

@@ -43,6 +43,10 @@ fn flags_say_what_they_say_and_nothing_else() {
     let expected =
         json!({"method": "fixed-bad", "horizon_slots": 3, "drift": true, "drive": drive});
     assert_eq!(said("--method fixed-bad --slots 3 --lag 0.12 --max-speed 0.2 --drift"), expected);
+    let drive =
+        json!({"kind": "skid-steer", "sideways_m_per_rad": -0.021, "turn_by_speed_s_per_m": 0.4});
+    let flags = "--kind skid-steer --sideways -0.021 --turn-by-speed 0.4";
+    assert_eq!(said(flags), json!({"drive": drive}));
     assert_eq!(said("--prior wet-hall"), json!({"prior": "wet-hall"}));
 }
 
