@@ -1,5 +1,6 @@
 //! A robot, its camera and its link in simulated time, with what may be wrong with each.
 
+use crate::METHOD;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
@@ -10,7 +11,7 @@ use umwelt_core::exchange::{Exchange, Observation, Request};
 use umwelt_core::geometry::{Point, Pose, Twist, WheelSpeeds};
 use umwelt_core::horizon::Horizon;
 use umwelt_core::kinematics::{self, Drive};
-use umwelt_core::settings::Settings;
+use umwelt_core::settings::{Attribution, Method, Settings};
 use umwelt_core::task::{Stage, Task};
 use umwelt_core::time::RobotTime;
 use umwelt_core::watch::{Alarm, Condition};
@@ -109,6 +110,15 @@ pub fn burger() -> Drive {
     }
 }
 
+/// With what its method asks for: adaptive identifies lag and noise, against the commands as played.
+fn asked(settings: Settings) -> Settings {
+    if settings.method != Method::Adaptive {
+        return settings;
+    }
+    let attribution = Attribution::Played;
+    Settings { attribution, identifies_lag: true, identifies_noise: true, ..settings }
+}
+
 impl World {
     /// A robot on its way to `to`, with nothing wrong, seen 30 times a second with the noise of a camera.
     pub fn new(drive: Drive, to: &[(f64, f64)]) -> Self {
@@ -118,7 +128,7 @@ impl World {
             ..Default::default()
         };
         Self {
-            settings: Settings { drive, steering, ..Settings::default() },
+            settings: asked(Settings { drive, steering, method: METHOD, ..Settings::default() }),
             task: Task { waypoints, calibration: None, ..Task::thesis() },
             rate: 30.0,
             noise: (0.0005, 0.003),
