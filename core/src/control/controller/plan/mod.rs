@@ -3,6 +3,7 @@
 mod approach;
 mod decide;
 mod phase;
+mod ramp;
 mod roll;
 mod square;
 
