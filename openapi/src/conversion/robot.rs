@@ -206,9 +206,10 @@ impl Description {
     /// These settings, all of them known already, with what is identified because it was not said.
     pub fn identify(&self, settings: Settings) -> Settings {
         let says = |quantity| self.says(path(quantity));
-        let (follows_link, identifies_lag) =
-            (derived::follows_link(says), derived::identifies_lag(says));
-        Settings { follows_link, identifies_lag, ..settings }
+        let follows_link = derived::follows_link(says);
+        let identifies_lag = derived::identifies_lag(says);
+        let identifies_dead_band = derived::identifies_dead_band(says);
+        Settings { follows_link, identifies_lag, identifies_dead_band, ..settings }
     }
 
     /// These settings with what follows from the rest and was not said.
@@ -272,6 +273,7 @@ impl Spec {
         Settings {
             drive: self.drive.convert(),
             identifies_lag: false,
+            identifies_dead_band: false,
             noise: self.noise.convert(),
             method: self.method.into(),
             prior,

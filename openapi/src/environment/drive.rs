@@ -1,5 +1,6 @@
 //! How late a robot's drive follows its commands, as it is identified.
 
+use super::band::DeadBand;
 use super::estimate::{Estimate, Status};
 use super::scale::Scale;
 use crate::schema::ToSchema;
@@ -29,4 +30,7 @@ pub struct Drive {
     /// Wheels and track with which the robot moves as it does; null where nothing of the drive is identified.
     #[serde(default)]
     pub scale: Option<Scale>,
+    /// The speed below which the motors do not turn the wheels; null where nothing of the drive is identified.
+    #[serde(default)]
+    pub dead_band: Option<DeadBand>,
 }

@@ -2,10 +2,12 @@
 //!
 //! Simulated environments, which have names, stand in [`crate::training`].
 
+mod band;
 mod drive;
 mod estimate;
 mod scale;
 
+pub use band::DeadBand;
 pub use drive::Drive;
 pub use estimate::{Estimate, Interval, Status};
 pub use scale::{Scale, Split};

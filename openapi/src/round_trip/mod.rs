@@ -112,9 +112,14 @@ fn the_defaults_are_cores_and_pass() {
     let thesis = Settings { drive: kinematics::Drive::default(), ..settings };
     assert_eq!((said, robot::Spec::from_core(&thesis, Some("default"))), Default::default());
     let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
-    let (noise, identifies_lag) = (PoseNoise::CAMERA, true);
-    let expected =
-        Settings { slots: 40, noise, follows_link, identifies_lag, ..Settings::default() };
+    let expected = Settings {
+        slots: 40,
+        noise: PoseNoise::CAMERA,
+        follows_link,
+        identifies_lag: true,
+        identifies_dead_band: true,
+        ..Settings::default()
+    };
     assert_eq!(thesis, expected);
     let kinematics::Drive { lag, dead_time, .. } = settings.drive;
     assert_eq!((lag, dead_time), (0.11, 0.02), "until they are identified");

@@ -131,6 +131,7 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
             loop_delay,
             follows_link: settings::FollowsLink::default(),
             identifies_lag: false,
+            identifies_dead_band: false,
             sensor_delay,
             watchdog,
             predictor,
