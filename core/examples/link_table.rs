@@ -25,7 +25,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let settings = Settings { slots, noise: PoseNoise::CAMERA, ..Settings::default() };
             let scenario = Scenario {
                 settings,
-                plant: PlantModel { drive: settings.drive, slip, noise: settings.noise },
+                plant: PlantModel {
+                    drive: settings.drive,
+                    slip,
+                    noise: settings.noise,
+                    ..PlantModel::default()
+                },
                 link: LinkModel::preset(name).ok_or("no such link")?,
                 task: Task::thesis(),
                 start: Pose::default(),

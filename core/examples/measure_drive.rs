@@ -88,7 +88,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let sum = (PRIOR_MEDIAN.ln() + normal(PRIOR_SPREAD)).exp();
             let lag = sum * (0.5 + 0.5 * normal(1.0).tanh());
             let drive = Drive { lag, dead_time: sum - lag, ..Drive::default() };
-            let model = PlantModel { drive, slip, noise: PoseNoise::CAMERA };
+            let model =
+                PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() };
             let estimate = identified(model, &rotations(3), u64::from(seed))?;
             errors.push((estimate.sum.mean - sum).abs());
             held[0] += holds(estimate.sum, sum);
@@ -114,7 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             drift: SlipChannel::new((drift[0] + drift[1]).clamp(-0.99, 0.99), 1.2 * sd)?,
             lateral: SlipChannel::NONE,
         };
-        let model = PlantModel { drive, slip, noise: PoseNoise::CAMERA };
+        let model = PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() };
         let it = identified(model, &calibration(), u64::from(seed))?;
         let [of_forward, of_turn, _] = it.scale;
         for (count, (quantity, truth)) in held.iter_mut().zip([

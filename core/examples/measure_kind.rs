@@ -28,7 +28,7 @@ fn scenario(skid: SkidSteer, slip: Slip, seed: u64) -> Scenario {
     let drive = Drive { lag, dead_time, kind: Kind::SkidSteer(skid), ..Drive::default() };
     Scenario {
         settings: complete(known, |_| false),
-        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA },
+        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(Rtt::Constant(0.04)) },
         task: Task { waypoints, calibration: Some(Calibration::default()), ..Task::thesis() },
         start: Pose::default(),

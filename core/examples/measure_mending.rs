@@ -32,7 +32,7 @@ fn scenario(floor: &str) -> Result<Scenario, Box<dyn Error>> {
     let slip = Slip::preset(floor).ok_or("no such floor")?;
     Ok(Scenario {
         settings,
-        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA },
+        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() },
         link: LinkModel::preset("normal").ok_or("no such link")?,
         task: Task::thesis(),
         start: Pose::default(),

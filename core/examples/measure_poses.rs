@@ -37,7 +37,7 @@ fn scenario(
     let drive = Drive { lag: 0.1, dead_time: 0.03, ..settings.drive };
     Scenario {
         settings,
-        plant: PlantModel { drive, slip, noise },
+        plant: PlantModel { drive, slip, noise, ..PlantModel::default() },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(Rtt::Constant(0.04)) },
         task: Task {
             waypoints: vec![Point::new(2.0, 0.0), Point::new(0.0, 0.0)],

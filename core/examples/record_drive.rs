@@ -105,8 +105,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         heading: options.noise * PoseNoise::CAMERA.heading,
     };
     let seed = options.seed as u64;
-    let mut plant =
-        Plant::new(PlantModel { drive, slip: options.floor, noise }, Pose::default(), seed)?;
+    let mut plant = Plant::new(
+        PlantModel { drive, slip: options.floor, noise, ..PlantModel::default() },
+        Pose::default(),
+        seed,
+    )?;
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let (mut wanted, mut until, mut taken) = (Twist::ZERO, 1.0, 0_u64);
     let (mut next_pose, mut next_command, mut sent) = (0.0, 0.0, Twist::ZERO);

@@ -58,8 +58,11 @@ fn record(drive: Drive) -> Result<Vec<(f64, Event)>, Box<dyn std::error::Error>>
         ..LinkModel::preset("bad").ok_or("no such preset")?
     };
     let mut link = Link::new(model, 3)?;
-    let mut plant =
-        Plant::new(PlantModel { drive, slip: Slip::HARD, noise }, Pose::new(0.0, 0.0, 0.6), 3)?;
+    let mut plant = Plant::new(
+        PlantModel { drive, slip: Slip::HARD, noise, ..PlantModel::default() },
+        Pose::new(0.0, 0.0, 0.6),
+        3,
+    )?;
     let mut controller =
         Controller::new(Settings { drive, noise, slots: 6, ..Settings::default() });
     let waypoints = vec![Point::new(0.3, 0.0)];

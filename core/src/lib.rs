@@ -39,7 +39,7 @@
 //! let mut controller = Controller::new(settings);
 //! controller.set_task(Task { waypoints: vec![goal], calibration: None, ..Task::thesis() });
 //! let (mut exchange, mut actuation) = (Exchange::new(RobotTime::ZERO), Actuation::new(settings.drive, RobotTime::ZERO));
-//! let model = PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA };
+//! let model = PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA, ..PlantModel::default() };
 //! let mut robot = Plant::new(model, Pose::default(), 1)?;
 //! for slot in 0..300 {
 //!     let now = RobotTime::new(f64::from(slot) * settings.slot);

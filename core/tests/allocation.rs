@@ -14,7 +14,12 @@ fn allocations(link: &str, slots: usize, time_limit: f64) -> u64 {
     let far = Task { waypoints: vec![Point::new(100.0, 0.0)], ..Task::thesis() };
     let scenario = Scenario {
         settings,
-        plant: PlantModel { drive: settings.drive, slip: Slip::HARD, noise: settings.noise },
+        plant: PlantModel {
+            drive: settings.drive,
+            slip: Slip::HARD,
+            noise: settings.noise,
+            ..PlantModel::default()
+        },
         link: LinkModel::preset(link).expect("a preset"),
         task: far,
         start: Pose::default(),

@@ -23,7 +23,12 @@ fn scenario(lag: f64, dead_time: f64, rtt: f64) -> Scenario {
     let waypoints = vec![Point::new(0.8, 0.0), Point::new(0.8, 0.4)];
     Scenario {
         settings,
-        plant: PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(Rtt::Constant(rtt)) },
         task: Task { waypoints, calibration: Some(Calibration::default()), ..Task::thesis() },
         start: Pose::default(),

@@ -27,7 +27,12 @@ fn scenario(drive: Drive) -> Scenario {
     let drive = Drive { lag: 0.1, dead_time: 0.03, ..drive };
     Scenario {
         settings: complete(known, |_| false),
-        plant: PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(Rtt::Constant(0.04)) },
         task: Task { waypoints, calibration: Some(Calibration::default()), ..Task::thesis() },
         start: Pose::default(),

@@ -23,7 +23,12 @@ fn scenario(rtt: Rtt) -> Scenario {
     let waypoints = vec![Point::new(0.8, 0.0), Point::new(0.8, 0.4)];
     Scenario {
         settings,
-        plant: PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive: settings.drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(rtt) },
         task: Task { waypoints, calibration: None, ..Task::thesis() },
         start: Pose::default(),

@@ -25,7 +25,7 @@ fn run(method: Method, slip: Slip, bearing: f64, distance: f64, seed: u64) -> Ru
     let waypoint = Point::new(distance * bearing.cos(), distance * bearing.sin());
     let scenario = Scenario {
         settings,
-        plant: PlantModel { drive, slip, noise },
+        plant: PlantModel { drive, slip, noise, ..PlantModel::default() },
         link: LinkModel::preset("normal").expect("a preset"),
         task: Task { waypoints: vec![waypoint], calibration: None, ..Task::thesis() },
         start: Pose::default(),

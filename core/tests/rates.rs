@@ -24,7 +24,7 @@ fn run(slip: Slip, frame: f64, seed: u64) -> Outcome {
     let drive = Drive { lag: 0.1, dead_time: 0.03, ..settings.drive };
     let scenario = Scenario {
         settings,
-        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA },
+        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(Rtt::Constant(0.04)) },
         task: Task {
             waypoints: vec![Point::new(1.0, 0.0), Point::new(0.0, 0.0)],

@@ -34,7 +34,12 @@ fn scenario(kind: Kind, described: Kind, waypoints: &[Point]) -> Scenario {
     };
     Scenario {
         settings: complete(known, |_| false),
-        plant: PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link: LinkModel { sensor_delay: 0.05, ..LinkModel::ordinary(Rtt::Constant(0.04)) },
         task,
         start: Pose::default(),

@@ -32,7 +32,12 @@ fn bad_links_are_no_fault_of_the_robot() {
         let settings = Settings { slots, noise: PoseNoise::CAMERA, ..Settings::default() };
         let scenario = Scenario {
             settings,
-            plant: PlantModel { drive: settings.drive, slip: Slip::HARD, noise: settings.noise },
+            plant: PlantModel {
+                drive: settings.drive,
+                slip: Slip::HARD,
+                noise: settings.noise,
+                ..PlantModel::default()
+            },
             link: LinkModel::preset(link).expect("a preset"),
             task: Task::thesis(),
             start: Pose::default(),

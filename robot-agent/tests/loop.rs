@@ -28,7 +28,12 @@ fn scenario(link: LinkModel) -> Scenario {
     let settings = Settings { drive, noise: PoseNoise::CAMERA, ..Settings::default() };
     Scenario {
         settings,
-        plant: PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link,
         task: Task { calibration: None, ..Task::thesis() },
         start: Pose::default(),

@@ -16,7 +16,12 @@ pub fn scenario(link: &str, slots: usize, predictor: PredictorKind) -> Scenario 
     let settings = Settings { slots, predictor, noise: PoseNoise::CAMERA, ..Settings::default() };
     Scenario {
         settings,
-        plant: PlantModel { drive: settings.drive, slip: Slip::HARD, noise: settings.noise },
+        plant: PlantModel {
+            drive: settings.drive,
+            slip: Slip::HARD,
+            noise: settings.noise,
+            ..PlantModel::default()
+        },
         link: LinkModel::preset(link).expect("a preset"),
         task: Task::thesis(),
         start: Pose::default(),

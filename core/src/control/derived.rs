@@ -120,6 +120,7 @@ impl Quantity {
 pub fn complete(mut settings: Settings, is_said: impl Fn(Quantity) -> bool) -> Settings {
     settings.follows_link = follows_link(&is_said);
     settings.identifies_lag = identifies_lag(&is_said);
+    settings.identifies_dead_band = identifies_dead_band(&is_said);
     for quantity in Quantity::ALL {
         if !is_said(quantity) {
             derive(&mut settings, quantity, &is_said);
@@ -131,6 +132,11 @@ pub fn complete(mut settings: Settings, is_said: impl Fn(Quantity) -> bool) -> S
 /// Whether dead time and lag are identified because neither is said.
 pub fn identifies_lag(is_said: impl Fn(Quantity) -> bool) -> bool {
     !is_said(Quantity::Lag) && !is_said(Quantity::DeadTime)
+}
+
+/// Whether the speed below which wheels do not turn is identified because no smallest speed is said.
+pub fn identifies_dead_band(is_said: impl Fn(Quantity) -> bool) -> bool {
+    !is_said(Quantity::MinLinear) && !is_said(Quantity::MinAngular)
 }
 
 /// What follows the link because it is not said.
@@ -251,7 +257,12 @@ mod tests {
         let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
         // Whose robot follows at once, as far as it says.
         let drive = Drive { lag: LAG, dead_time: DEAD_TIME, ..Drive::default() };
-        let identified = Settings { drive, identifies_lag: true, ..Settings::default() };
+        let identified = Settings {
+            drive,
+            identifies_lag: true,
+            identifies_dead_band: true,
+            ..Settings::default()
+        };
         assert_eq!(derived, Settings { slots: SLOTS, follows_link, ..identified });
         let camera =
             complete(Settings { noise: PoseNoise::CAMERA, ..Settings::default() }, |_| false);

@@ -144,6 +144,8 @@ pub struct Settings {
     /// Whether its dead time and lag are identified, because neither was said; what `drive` has is then what is expected
     /// before any sample. Not for the thesis, whose robot follows at once.
     pub identifies_lag: bool,
+    /// Whether the speed below which its wheels do not turn is identified with its drive, because no smallest speed was said.
+    pub identifies_dead_band: bool,
     /// Known noise of its observed poses.
     pub noise: PoseNoise,
     /// Whether that is identified, because it was not said; `noise` is then what is expected before any pose.
@@ -181,6 +183,16 @@ impl Settings {
     pub fn uses_drift(&self) -> bool {
         self.drift || self.method == Method::Adaptive
     }
+
+    /// Whether anything of the drive is identified: how late it follows, or its scale.
+    pub fn identifies_drive(&self) -> bool {
+        self.identifies_lag || self.method == Method::Adaptive
+    }
+
+    /// Whether the speed below which its wheels do not turn is.
+    pub fn identifies_band(&self) -> bool {
+        self.identifies_dead_band && self.identifies_drive()
+    }
 }
 
 /// Nominal loop delay in s: sensor 130 ms and the 99 % quantile of the normal link's round trip.
@@ -191,6 +203,7 @@ impl Default for Settings {
         Self {
             drive: Drive::default(),
             identifies_lag: false,
+            identifies_dead_band: false,
             noise: PoseNoise::default(),
             identifies_noise: false,
             method: Method::Bayesian,

@@ -24,7 +24,12 @@ pub fn measure(link: LinkModel, round_trips: usize, seed: u64) -> Result<FixedMo
         slots: 1,
         ..Settings::default()
     };
-    let plant = PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA };
+    let plant = PlantModel {
+        drive: settings.drive,
+        slip: Slip::HARD,
+        noise: PoseNoise::CAMERA,
+        ..PlantModel::default()
+    };
     let trip = [Point::new(0.2, 0.0), Point::new(-0.5, 0.0), Point::new(0.0, 0.0)];
     let waypoints = trip.iter().copied().cycle().take(trip.len() * round_trips).collect();
     let task = Task { waypoints, ..Task::thesis() };

@@ -2,6 +2,7 @@
 
 use super::dead_band;
 use super::harness::{Floor, Wheels, World, amr, burger, mini, rover};
+use umwelt_core::derived::complete;
 use umwelt_core::geometry::{Twist, WheelSpeeds};
 use umwelt_core::kinematics::Drive;
 use umwelt_core::watch::Condition;
@@ -83,6 +84,22 @@ fn what_no_speed_overcomes_is_stuck() {
     let run = World { wheels: nothing, noise: (0.0, 0.0), ..World::new(rover(), &[(0.4, 0.3)]) }
         .run(30.0);
     assert!(run.condition().is_some_and(|it| matches!(it, Condition::Stuck | Condition::Frozen)));
+}
+
+/// Guards against: a robot that is blocked, whatever its speed, is believed to have a wide dead band from then on.
+#[test]
+fn what_is_stuck_has_no_dead_band() {
+    for start in [0.0, 6.0] {
+        let known = World::new(rover(), &[(0.4, 0.3), (0.0, 0.3), (0.4, 0.0)]);
+        let blocked: Wheels =
+            Box::new(move |t, speeds| if t < start { speeds } else { WheelSpeeds::ZERO });
+        let settings = complete(known.settings, |_| false);
+        let run = World { settings, wheels: blocked, ..known }.run(40.0);
+        assert_eq!(run.condition(), Some(Condition::Stuck), "{}", run.report());
+        let believed = run.controller.drive_estimate().expect("it is identified");
+        let (band, prior) = (believed.dead_band, believed.dead_band_prior);
+        assert!(band.mean <= prior.mean + 0.01, "{believed:?}");
+    }
 }
 
 /// Wheels that spin on a slope at creeping speed and climb at full.

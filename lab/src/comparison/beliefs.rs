@@ -82,7 +82,7 @@ fn scenario(prior: Prior, slip: Slip) -> Scenario {
     };
     Scenario {
         settings,
-        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA },
+        plant: PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() },
         link: LinkModel::preset("clean").expect("a preset"),
         task: Task {
             waypoints: vec![Point::new(0.5, 0.0), Point::new(0.0, 0.0)],

@@ -68,7 +68,12 @@ fn uncalibrated(settings: &Settings) -> PlantModel {
         ..described
     };
     let drift = SlipChannel::new(0.05, Slip::HARD.drift.sd()).expect("constants in their domain");
-    PlantModel { drive, slip: Slip { drift, ..Slip::HARD }, noise: settings.noise }
+    PlantModel {
+        drive,
+        slip: Slip { drift, ..Slip::HARD },
+        noise: settings.noise,
+        ..PlantModel::default()
+    }
 }
 
 fn link(name: &str) -> LinkModel {
@@ -76,7 +81,7 @@ fn link(name: &str) -> LinkModel {
 }
 
 fn robot(settings: &Settings, slip: Slip) -> PlantModel {
-    PlantModel { drive: settings.drive, slip, noise: settings.noise }
+    PlantModel { drive: settings.drive, slip, noise: settings.noise, ..PlantModel::default() }
 }
 
 fn environment(name: &str, plant: PlantModel, link: LinkModel) -> Environment {

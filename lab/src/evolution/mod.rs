@@ -221,7 +221,12 @@ impl Evolution {
         let Episode { method, prior, .. } = *episode;
         let scenario = Scenario {
             settings: Settings { method, prior, noise, ..*controller },
-            plant: PlantModel { drive: controller.drive, slip: environment.slip, noise },
+            plant: PlantModel {
+                drive: controller.drive,
+                slip: environment.slip,
+                noise,
+                ..PlantModel::default()
+            },
             link: environment.link.clone(),
             task: task.clone(),
             start: Pose::default(),

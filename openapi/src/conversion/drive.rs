@@ -2,7 +2,7 @@
 
 use super::environment::interval;
 use super::known;
-use crate::environment::{Drive, Estimate, Kind, NOTE, Scale, Split, Status};
+use crate::environment::{DeadBand, Drive, Estimate, Kind, NOTE, Scale, Split, Status};
 use crate::robot;
 use umwelt_core::drive::{DriveEstimate, Quantity, ScaleEstimate, SkidEstimate};
 use umwelt_core::kinematics;
@@ -11,7 +11,6 @@ use umwelt_core::settings::{Method, Settings};
 impl Drive {
     /// What is believed of a drive under these settings; where nothing is, because it is described, what they say.
     pub fn new(believed: Option<&DriveEstimate>, settings: &Settings) -> Self {
-        let given = |mean| Estimate { mean: known(mean), sd: None, interval: None };
         let described = &settings.drive;
         let (status, delay) = match believed {
             Some(it) if settings.identifies_lag => {
@@ -37,8 +36,37 @@ impl Drive {
                 .and_then(|it| it.skid)
                 .filter(|_| described.kind == kinematics::Kind::Differential)
                 .map(Kind::from),
+            dead_band: believed.map(|it| DeadBand::new(it, settings)),
         }
     }
+}
+
+impl DeadBand {
+    fn new(believed: &DriveEstimate, settings: &Settings) -> Self {
+        let drive = &settings.drive;
+        if !settings.identifies_dead_band {
+            let driving = drive.min_linear / drive.wheel_radius;
+            let turning = drive.min_angular * drive.track_width / (2.0 * drive.wheel_radius);
+            return Self {
+                status: Status::Given,
+                estimated_fraction: None,
+                speed_rad_per_s: given(driving.min(turning)),
+                judgements: believed.judgements,
+            };
+        }
+        let status = believed.dead_band_status();
+        Self {
+            status: status.into(),
+            estimated_fraction: status.fraction().and_then(known),
+            speed_rad_per_s: believed.dead_band.into(),
+            judgements: believed.judgements,
+        }
+    }
+}
+
+/// What is described.
+fn given(mean: f64) -> Estimate {
+    Estimate { mean: known(mean), sd: None, interval: None }
 }
 
 impl Scale {
@@ -121,6 +149,15 @@ mod tests {
         assert_eq!((told.delay_s.mean, told.stretches), (Some(believed.sum.mean), 0));
         let Interval { low, high } = told.delay_s.interval.unwrap();
         assert!(low < 0.06 && high > 0.3, "{low} to {high} s");
+        let told = told.dead_band.unwrap();
+        assert_eq!((told.status, told.estimated_fraction), (Status::Given, None));
+        let speed = told.speed_rad_per_s;
+        assert!((speed.mean.unwrap() - 0.2 * 0.05 / 0.03).abs() < 1e-12 && speed.sd.is_none());
+        let unsaid = Settings { identifies_dead_band: true, ..asked };
+        let told = Drive::new(Some(&believed), &unsaid).dead_band.unwrap();
+        assert_eq!((told.status, told.estimated_fraction), (Status::Estimating, Some(0.0)));
+        let Interval { low, high } = told.speed_rad_per_s.interval.unwrap();
+        assert!(low == 0.0 && (1.0..1.6).contains(&high), "{low} to {high} rad/s");
         // Where only the scale is identified the lag is what was described.
         let adaptive = Settings { method: Method::Adaptive, ..described };
         let told = Drive::new(Some(&believed), &adaptive);

@@ -220,10 +220,17 @@ impl Description {
     /// These settings, all of them known already, with what is identified because it was not said.
     pub fn identify(&self, settings: Settings) -> Settings {
         let says = |quantity| self.says(path(quantity));
-        let (follows_link, identifies_lag) =
-            (derived::follows_link(says), derived::identifies_lag(says));
+        let follows_link = derived::follows_link(says);
+        let identifies_lag = derived::identifies_lag(says);
+        let identifies_dead_band = derived::identifies_dead_band(says);
         let identifies_noise = !NOISE.iter().any(|field| self.says(field));
-        Settings { follows_link, identifies_lag, identifies_noise, ..settings }
+        Settings {
+            follows_link,
+            identifies_lag,
+            identifies_dead_band,
+            identifies_noise,
+            ..settings
+        }
     }
 
     /// These settings with what follows from the rest and was not said.
@@ -289,6 +296,7 @@ impl Spec {
         Settings {
             drive: self.drive.convert(),
             identifies_lag: false,
+            identifies_dead_band: false,
             noise: self.noise.convert(),
             identifies_noise: false,
             method: self.method.into(),

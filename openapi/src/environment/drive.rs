@@ -1,5 +1,6 @@
 //! How late a robot's drive follows its commands, as it is identified.
 
+use super::band::DeadBand;
 use super::estimate::{Estimate, Status};
 use super::kind::Kind;
 use super::scale::Scale;
@@ -34,4 +35,7 @@ pub struct Drive {
     /// it is described as skid steer.
     #[serde(default)]
     pub kind: Option<Kind>,
+    /// The speed below which the motors do not turn the wheels; null where nothing of the drive is identified.
+    #[serde(default)]
+    pub dead_band: Option<DeadBand>,
 }

@@ -2,12 +2,14 @@
 //!
 //! Simulated environments, which have names, stand in [`crate::training`].
 
+mod band;
 mod drive;
 mod estimate;
 mod kind;
 mod noise;
 mod scale;
 
+pub use band::DeadBand;
 pub use drive::Drive;
 pub use estimate::{Estimate, Interval, Status};
 pub use kind::{Kind, NOTE};

@@ -112,13 +112,13 @@ fn the_defaults_are_cores_and_pass() {
     let thesis = Settings { drive: kinematics::Drive::default(), ..settings };
     assert_eq!((said, robot::Spec::from_core(&thesis, Some("default"))), Default::default());
     let follows_link = FollowsLink { loop_delay: true, slots: true, watchdog: true };
-    let (noise, identifies_lag, identifies_noise) = (PoseNoise::CAMERA, true, true);
     let expected = Settings {
         slots: 40,
-        noise,
+        noise: PoseNoise::CAMERA,
         follows_link,
-        identifies_lag,
-        identifies_noise,
+        identifies_lag: true,
+        identifies_dead_band: true,
+        identifies_noise: true,
         method: Method::Adaptive,
         attribution: Attribution::Played,
         ..Settings::default()

@@ -140,6 +140,7 @@ pub(super) fn settings() -> impl Strategy<Value = Settings> {
             follows_link: settings::FollowsLink::default(),
             identifies_lag: false,
             identifies_noise: false,
+            identifies_dead_band: false,
             sensor_delay,
             watchdog,
             predictor,

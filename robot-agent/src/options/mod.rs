@@ -274,6 +274,7 @@ impl Options {
                 position: sim.position_noise.unwrap_or(PoseNoise::CAMERA.position),
                 heading: sim.heading_noise.unwrap_or(PoseNoise::CAMERA.heading),
             },
+            ..PlantModel::default()
         };
         let sensor_delay = config.link.as_ref().map_or(SENSOR_DELAY, |link| link.sensor_delay);
         let sim = Sim::new(model, sim.start.unwrap_or_default(), config.seed)

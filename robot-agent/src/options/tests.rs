@@ -1,6 +1,6 @@
 use super::*;
-use umwelt_agent::drive::Drive as _;
 use clap::CommandFactory;
+use umwelt_agent::drive::Drive as _;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::SlipChannel;
 

@@ -94,7 +94,12 @@ pub async fn fleet(
     for member in &members {
         client.put_robot(&member.robot, &said).await?;
         client.set_task(&member.robot, &task::Spec::from(&Task::thesis())).await?;
-        let plant = PlantModel { drive: settings.drive, slip: member.slip, noise: settings.noise };
+        let plant = PlantModel {
+            drive: settings.drive,
+            slip: member.slip,
+            noise: settings.noise,
+            ..PlantModel::default()
+        };
         let drive = Sim::new(plant, Pose::default(), member.own_seed)?
             .with_sensor_delay(link_model.sensor_delay);
         let config = Config {

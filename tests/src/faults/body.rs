@@ -64,7 +64,12 @@ impl Body {
     /// Never: the plant is a good one.
     pub fn new(robot: &str, clock: Clock, seed: u64) -> Self {
         let drive = Drive::default();
-        let model = PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA };
+        let model = PlantModel {
+            drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        };
         let now = clock.now();
         let state = State {
             plant: Plant::new(model, Pose::default(), seed).expect("a good plant"),

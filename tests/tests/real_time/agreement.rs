@@ -34,7 +34,12 @@ fn scenario() -> Scenario {
     let settings = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
     Scenario {
         settings,
-        plant: PlantModel { drive: settings.drive, slip: Slip::HARD, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive: settings.drive,
+            slip: Slip::HARD,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link: LinkModel::ordinary(Rtt::Constant(0.040)),
         task: Task { calibration: None, ..Task::thesis() },
         start: Pose::default(),

@@ -6,7 +6,7 @@ use crate::cli::table::{Column, Table};
 use std::fmt::Write;
 use umwelt_api::RobotId;
 use umwelt_api::environment::{
-    Channel, Drive, Environment, Estimate, Interval, Link, Noise, Scale, Status,
+    Channel, DeadBand, Drive, Environment, Estimate, Interval, Link, Noise, Scale, Status,
 };
 use umwelt_api::robot::Method;
 use umwelt_api::watch;
@@ -48,6 +48,10 @@ pub(super) fn show(robot: &RobotId, environment: &Environment) -> String {
         }
         if let Some(it) = it.kind.as_ref().filter(|it| it.proposed.is_some()) {
             text.push_str(&kind(it, &level));
+        }
+        let says = |it: &&DeadBand| it.status == Status::Given || it.judgements > 0;
+        if let Some(it) = it.dead_band.as_ref().filter(says) {
+            let _ = writeln!(text, "{}", motors(it, &level));
         }
     }
     if let Some(it) = &environment.noise {
@@ -107,6 +111,30 @@ fn drive(drive: &Drive, level: &str) -> String {
     }
     if drive.stretches_not_understood > 0 {
         let _ = write!(text, ", {} more not understood", drive.stretches_not_understood);
+    }
+    text
+}
+
+/// Up to which speed its motors do not turn.
+fn motors(band: &DeadBand, level: &str) -> String {
+    let speed = |speed: f64| format!("{speed:.2} rad/s");
+    let DeadBand { status: got, estimated_fraction, speed_rad_per_s: it, judgements } = band;
+    let mut text = match it.interval {
+        Some(Interval { low, high }) if low <= 0.0 => {
+            format!("motors   turn from {} of the wheels at the latest, with {level}", speed(high))
+        }
+        Some(Interval { low, high }) => {
+            let mean = or_unknown(it.mean, speed);
+            let (low, high) = (speed(low), speed(high));
+            format!(
+                "motors   stand below {mean} of the wheels, with {level} within {low} .. {high}"
+            )
+        }
+        None => format!("motors   stand below {} of the wheels", or_unknown(it.mean, speed)),
+    };
+    let _ = write!(text, "; {}", status(*got, *estimated_fraction, None));
+    if *got != Status::Given {
+        let _ = write!(text, " from {judgements} steady motions");
     }
     text
 }
@@ -234,6 +262,16 @@ mod tests {
         }
     }
 
+    fn band(mean: f64, within: Option<(f64, f64)>) -> DeadBand {
+        let interval = within.map(|(low, high)| Interval { low, high });
+        DeadBand {
+            status: Status::Estimated,
+            estimated_fraction: Some(1.0),
+            speed_rad_per_s: Estimate { mean: Some(mean), sd: None, interval },
+            judgements: 24,
+        }
+    }
+
     fn environment() -> Environment {
         let slippery = Channel {
             used: true,
@@ -279,6 +317,7 @@ mod tests {
                 stretches: 8,
                 stretches_not_understood: 1,
                 scale: Some(scale()),
+                dead_band: Some(band(0.97, Some((0.8, 1.1)))),
                 kind: None,
             }),
             noise: Some(Noise {
@@ -321,6 +360,7 @@ drift (not used)  rad/m     0.0000       -                   -                  
 drive    follows a command in 142 ms (lag 110 ms, dead time 32 ms), with 90 % within 139 ms .. 146 ms; estimated from 8 stretches of motion, 1 more not understood
 wheels   moves as with a wheel radius of 0.02100 +- 0.00020 m, described 0.03; a track of 0.10300 +- 0.00100 m, described 0.1; the right wheel larger by +2.00 +- 0.10 %; commands are corrected
          forward -30.00 +- 0.20 % in all: robot -20.00 +- 6.00 %, floor -10.00 +- 6.00 %; they part on another floor, which a reset begins
+motors   stand below 0.97 rad/s of the wheels, with 90 % within 0.80 rad/s .. 1.10 rad/s; estimated from 24 steady motions
 poses    off by 3.00 mm and 0.30 deg each (standard deviations), with 90 % within 2.70 mm .. 3.30 mm and 0.29 deg .. 0.32 deg; estimated from 212 poses in motion
 link     loop delay: median 212 ms, 99 % of those not late within 480 ms (estimated)
 late     0 of 12 deliveries: probability 7.0 %, with 90 % within 0.400 % .. 20.0 % (estimating, 20 %)
@@ -354,9 +394,19 @@ motion   3 windows without constant motion gave no sample, 1 poses set aside
             stretches_not_understood: 0,
             scale: None,
             kind: None,
+            dead_band: None,
         };
         let text = "drive    follows a command in 100 ms (lag 100 ms, dead time 0 ms); given";
         assert_eq!(drive(&described, "90 %"), text);
+    }
+
+    #[test]
+    fn motors_without_a_dead_band_are_said_to_turn() {
+        let none = motors(&band(0.1, Some((0.0, 0.19))), "90 %");
+        let text = "motors   turn from 0.19 rad/s of the wheels at the latest, with 90 %; estimated from 24 steady motions";
+        assert_eq!(none, text);
+        let given = motors(&DeadBand { status: Status::Given, ..band(0.33, None) }, "90 %");
+        assert_eq!(given, "motors   stand below 0.33 rad/s of the wheels; given");
     }
 
     #[test]

@@ -19,7 +19,8 @@ const TWISTS: &str = "t_s,linear,angular\n";
 /// wheel speeds.
 fn recorded() -> [String; 3] {
     let drive = Drive { lag: 0.1, dead_time: 0.04, ..Drive::default() };
-    let model = PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA };
+    let model =
+        PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA, ..PlantModel::default() };
     let mut plant = Plant::new(model, umwelt_core::geometry::Pose::default(), 1).unwrap();
     let [mut poses, mut twists] = [POSES, TWISTS].map(str::to_owned);
     let mut wheels = "t_s,left_rad_per_s,right_rad_per_s,note\n".to_owned();

@@ -83,6 +83,7 @@ mod tests {
             dead_time_s: some,
             stretches,
             stretches_not_understood: 0,
+            dead_band: None,
             scale: Some(Scale {
                 used: true,
                 wheel_radius_m: radius,

@@ -1,6 +1,6 @@
 //! What is believed of a drive, and what is gathered to teach more.
 
-use crate::drive::{Commanded, DriveBelief, Stretch};
+use crate::drive::{Commanded, DeadBand, DriveBelief, LONGEST, Stretch, Turning, settles};
 use crate::exchange::PoseNoise;
 use crate::kinematics::Drive;
 use crate::prediction::Scale;
@@ -24,6 +24,14 @@ pub(super) struct Follows {
     pub(super) stretch: Stretch,
     /// When the robot was last commanded to move; none before.
     pub(super) moved: Option<RobotTime>,
+    /// Whether the dead band is identified, not described.
+    pub(super) identifies_band: bool,
+    /// At which speeds the wheels turn, as is believed.
+    pub(super) turning: Turning,
+    /// What was believed of the dead band when the robot was last seen to move as commanded.
+    sure: DeadBand,
+    /// Until when commands may be those of a ramp; none before one.
+    pub(super) ramped: Option<RobotTime>,
 }
 
 impl Follows {
@@ -37,7 +45,7 @@ impl Follows {
         } else {
             return None;
         };
-        Some(Self::of(Arc::new(belief)))
+        Some(Self::of(Arc::new(belief), settings))
     }
 
     /// What is believed under the settings `now`, where it was this under those `before`.
@@ -46,7 +54,8 @@ impl Follows {
         before: &Settings,
         now: &Settings,
     ) -> Option<Self> {
-        let this = this.filter(|_| asks(before) == asks(now))?;
+        let mut this = this.filter(|_| asks(before) == asks(now))?;
+        this.identifies_band = now.identifies_dead_band;
         let shape = |it: &Settings| (it.drive.wheel_radius, it.drive.track_width);
         let is_other_kind = before.drive.kind != now.drive.kind;
         if shape(before) == shape(now) && !is_other_kind {
@@ -54,19 +63,30 @@ impl Follows {
         }
         let belief = Arc::unwrap_or_clone(this.belief);
         if shape(before) == shape(now) {
-            return Some(Self::of(Arc::new(belief.of_another_kind())));
+            return Some(Self::of(Arc::new(belief.of_another_kind()), now));
         }
         let belief = belief.described_anew(&before.drive, &now.drive);
         let Scale { forward, turn, .. } = belief.scale();
         let is_accepted = forward.abs() < ACCEPTED && turn.abs() < ACCEPTED;
         let track = now.drive.track_width;
-        Some(Self::of(Arc::new(if is_accepted { belief } else { belief.with_other_wheels(track) })))
+        let belief = if is_accepted { belief } else { belief.with_other_wheels(track) };
+        Some(Self::of(Arc::new(belief), now))
     }
 
     /// What is believed already.
-    pub(super) fn of(belief: Arc<DriveBelief>) -> Self {
-        let (late, late_sd) = (belief.late(), belief.late_sd());
-        Self { late, late_sd, belief, stretch: Stretch::default(), moved: None }
+    pub(super) fn of(belief: Arc<DriveBelief>, settings: &Settings) -> Self {
+        let (turning, sure) = (belief.dead_band().turning(), belief.dead_band().clone());
+        Self {
+            late: belief.late(),
+            late_sd: belief.late_sd(),
+            belief,
+            stretch: Stretch::default(),
+            moved: None,
+            identifies_band: settings.identifies_dead_band,
+            turning,
+            sure,
+            ramped: None,
+        }
     }
 
     /// What is believed.
@@ -98,9 +118,55 @@ impl Follows {
         is_understood
     }
 
+    /// After how many s the drive follows a command. Where that is identified and not known yet it may take long.
+    pub(super) fn settles(&self, settings: &Settings) -> f64 {
+        let Drive { dead_time, lag, .. } = settings.drive;
+        let given = (!settings.identifies_lag).then_some((dead_time, lag));
+        self.late.or(given).map_or(LONGEST, |(dead_time, lag)| settles(dead_time, lag))
+    }
+
+    /// Learns which wheels turned in a stretch; as [`DriveBelief::judge_wheels`] has it.
+    pub(super) fn judge(
+        &mut self,
+        stretch: &Stretch,
+        commanded: &Commanded,
+        noise: PoseNoise,
+        settings: &Settings,
+    ) -> Option<bool> {
+        let settles = self.settles(settings);
+        let belief = Arc::make_mut(&mut self.belief);
+        let judged = belief.judge_wheels(stretch, commanded, &settings.drive, settles, noise);
+        if judged.is_some() {
+            self.turning = belief.dead_band().turning();
+        }
+        judged
+    }
+
+    /// Whether a stretch would judge any.
+    pub(super) fn can_judge(
+        &self,
+        stretch: &Stretch,
+        commanded: &Commanded,
+        noise: PoseNoise,
+        settings: &Settings,
+    ) -> bool {
+        DriveBelief::can_judge(stretch, commanded, &settings.drive, self.settles(settings), noise)
+    }
+
+    /// The robot moves as commanded.
+    pub(super) fn keep_band(&mut self) {
+        self.sure.clone_from(self.belief.dead_band());
+    }
+
+    /// Takes back what was judged since it last did: the robot is blocked, or its poses are not those of it.
+    pub(super) fn take_back_band(&mut self) {
+        Arc::make_mut(&mut self.belief).restore_dead_band(self.sure.clone());
+        self.turning = self.sure.turning();
+    }
+
     /// On another floor.
-    pub(super) fn on_another_floor(self) -> Self {
-        Self::of(Arc::new(Arc::unwrap_or_clone(self.belief).on_another_floor()))
+    pub(super) fn on_another_floor(self, settings: &Settings) -> Self {
+        Self::of(Arc::new(Arc::unwrap_or_clone(self.belief).on_another_floor()), settings)
     }
 
     /// Begins anew: what was gathered so far does not go on.

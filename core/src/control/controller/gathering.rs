@@ -2,6 +2,7 @@
 
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
+use super::plan::Phase;
 use crate::actuation::Slew;
 use crate::drive::{APART, Commanded, DriveEstimate, GAP, LONGEST, MAX_SPAN, Stretch};
 use crate::exchange::Observation;
@@ -43,12 +44,25 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             follows.moved = Some(taken);
         }
         let has_room = follows.stretch.push(observation);
+        if matches!(self.phase, Phase::Ramping { .. }) {
+            follows.ramped = Some(taken + self.acting.loop_delay + LONGEST);
+        }
         let Some((first, _)) = follows.stretch.ends() else { return };
+        if follows.ramped.is_some_and(|until| taken <= until) {
+            match self.shows_wheels() {
+                Some(true) => {
+                    self.learn_drive();
+                    return self.begin_stretch(observation);
+                }
+                None => return self.begin_stretch(observation),
+                Some(false) => {}
+            }
+        }
+        let Some(follows) = &mut self.follows else { return };
         let is_quiet = follows.moved.is_none_or(|moved| taken - moved > LONGEST);
         let has_moved = follows.moved.is_some_and(|moved| moved > first.taken - LONGEST);
         if !has_room || taken - first.taken >= MAX_SPAN || (is_quiet && has_moved) {
-            let stretch = std::mem::take(&mut follows.stretch);
-            self.learn_drive(&stretch);
+            self.learn_drive();
             self.begin_stretch(observation);
         } else if is_quiet {
             self.begin_stretch(observation);
@@ -62,32 +76,52 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         }
     }
 
-    /// Learns from a stretch, where it is known what was played in it.
-    fn learn_drive(&mut self, stretch: &Stretch) {
-        let Some((first, last)) = stretch.ends() else { return };
-        let (from, until) = (first.taken - LONGEST, last.taken);
-        let drive = self.settings.drive;
-        let is_its_own = self.watch.rests() || self.heard.was_away(from, until);
-        if is_its_own || !self.commands.is_followed(from, until, HOLE) {
-            return;
-        }
-        let (mut commanded, floors) = (Commanded::new(from), self.watch.floors());
-        let mut slew = None;
-        self.commands.walk(Attribution::Played, &drive, from, until, |speeds, duration| {
-            let twist = kinematics::forward(&drive, speeds);
-            // As the robot plays it.
-            let slew = slew.get_or_insert_with(|| Slew::new(twist));
-            slew.hold(&drive, twist, duration, |twist, duration| {
-                commanded.add(floors.moving(twist), duration);
-            });
-        });
-        if !commanded.moves() {
-            return;
-        }
+    /// Whether the stretch shows already whether a wheel turns; none where it cannot.
+    fn shows_wheels(&self) -> Option<bool> {
+        let follows = self.follows.as_ref()?;
         let noise = self.watch.noise(self.pose_noise());
+        let commanded = self.played(&follows.stretch)?;
+        Some(follows.can_judge(&follows.stretch, &commanded, noise, &self.settings))
+    }
+
+    /// Learns from the stretch gathered so far, where it is known what was played in it.
+    fn learn_drive(&mut self) {
         let Some(follows) = &mut self.follows else { return };
-        if follows.learn(stretch, &commanded, noise, drive.track_width) {
+        let stretch = std::mem::take(&mut follows.stretch);
+        let Some(commanded) = self.played(&stretch).filter(Commanded::moves) else { return };
+        let noise = self.watch.noise(self.pose_noise());
+        let floors = self.floors(&self.settings.drive);
+        let Some(follows) = &mut self.follows else { return };
+        let all_turn = follows.judge(&stretch, &commanded, noise, &self.settings) != Some(false);
+        // Whether a ramp is followed is not known before it is judged, and wheels that stand say nothing of how.
+        let is_ramp = stretch
+            .ends()
+            .is_some_and(|(first, _)| follows.ramped.is_some_and(|until| first.taken <= until));
+        let commanded = commanded.made(|twist| floors.moving(twist));
+        if !all_turn || is_ramp || !commanded.moves() {
+            return;
+        }
+        if follows.learn(&stretch, &commanded, noise, self.settings.drive.track_width) {
             self.act();
         }
+    }
+
+    /// What the robot played from [`LONGEST`] before a stretch to its end, as it spreads it; none where that is not known, or
+    /// it went its own way.
+    fn played(&self, stretch: &Stretch) -> Option<Commanded> {
+        let (first, last) = stretch.ends()?;
+        let (from, until) = (first.taken - LONGEST, last.taken);
+        let is_its_own = self.watch.rests() || self.heard.was_away(from, until);
+        if is_its_own || !self.commands.is_followed(from, until, HOLE) {
+            return None;
+        }
+        let drive = &self.settings.drive;
+        let (mut commanded, mut slew) = (Commanded::new(from), None);
+        self.commands.walk(Attribution::Played, drive, from, until, |speeds, duration| {
+            let twist = kinematics::forward(drive, speeds);
+            let slew = slew.get_or_insert_with(|| Slew::new(twist));
+            slew.hold(drive, twist, duration, |twist, duration| commanded.add(twist, duration));
+        });
+        Some(commanded)
     }
 }

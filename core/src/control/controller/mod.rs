@@ -19,6 +19,7 @@ mod planning;
 mod record;
 mod saved;
 mod squaring;
+mod standing;
 mod watching;
 
 use crate::check::{Report, Trace};

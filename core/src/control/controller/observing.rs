@@ -147,7 +147,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         until: RobotTime,
     ) -> (Window, Displacement, WheelSpeeds) {
         let (described, acting) = (&self.settings.drive, &self.acting.drive);
-        let (floors, is_scaled) = (self.watch.floors(), self.scaled_belief().is_some());
+        let (floors, is_scaled) = (self.floors(acting), self.scaled_belief().is_some());
         let (mut window, mut moved, mut wheels) = (track.window, None, track.wheels);
         self.walk(track.last.taken, until, |speeds, duration| {
             let (end, mean) = kinematics::follow(acting.lag, wheels, speeds, duration);

@@ -92,7 +92,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     pub fn reset_belief(&mut self) {
         self.belief.reset();
         if let Some(follows) = self.follows.take() {
-            self.follows = Some(follows.on_another_floor());
+            self.follows = Some(follows.on_another_floor(&self.settings));
         }
         self.act();
         self.watch.unlearn();

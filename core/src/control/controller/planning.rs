@@ -55,6 +55,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
         let before = self.commands.at(attribution, &drive, begins - SAME_BOUNDARY);
         let age = request.sent - taken;
+        let floors = self.floors(&drive);
         let start = Start {
             time: begins,
             since_change,
@@ -67,6 +68,10 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
                 || self.heard.is_held()
                 || begins - taken > self.compensation.delay.max_pose_age(&self.acting),
             rest: f64::from(REST_SLOTS) * slot + COASTS * drive.lag + track.interval,
+            settles: self.settles(),
+            between: 2.0 * (track.interval + slot),
+            may_stand: self.may_stand(),
+            is_band_known: floors.turn != self.watch.floors().turn,
         };
         let horizon = self.commands.begin(request.sequence, begins, slot, watchdog);
         let (speeds, phases) = (&mut horizon.speeds, &mut self.phases);
@@ -74,7 +79,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let slowed = self.heard.slowed(&drive).map(|drive| Settings { drive, ..self.acting });
         let settings = slowed.as_ref().unwrap_or(&self.acting);
         let follower = &self.compensation.follower;
-        let rules = plan::Rules { settings, follower, floors: self.watch.floors() };
+        let rules = plan::Rules { settings, follower, floors: &floors };
         let limit = plan::plan(rules, &model, task, start, prediction, speeds, phases);
         self.limit = if self.watch.rests() {
             Some(Limit::Watch)
@@ -146,11 +151,12 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
                 (Prediction::MonteCarlo(agents), Pieces::apart())
             }
         };
+        let floors = self.floors(drive);
         let mut wheels = track.wheels;
         // Commands act a dead time after they come into force, those of the horizon too.
         self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            if let Some(motion) = pieces.add(self.watch.floors().moving(twist), duration) {
+            if let Some(motion) = pieces.add(floors.moving(twist), duration) {
                 prediction.advance(model, motion);
             }
             wheels = end;

@@ -141,6 +141,13 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if taught_nothing {
             self.take_back();
         }
+        // What raises a speed was judged as well; what rests was no matter of speed.
+        if taught_nothing
+            && rests
+            && let Some(follows) = &mut self.follows
+        {
+            follows.take_back_band();
+        }
     }
 
     /// Takes back what was learned since the robot last moved as commanded: it says nothing of its floor.
@@ -156,6 +163,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// The robot moves as commanded: what is believed now is worth coming back to, once it is known that it still did a
     /// look later.
     fn keep_healthy(&mut self) {
+        if let Some(follows) = &mut self.follows {
+            follows.keep_band();
+        }
         let now = self.track.map_or(RobotTime::ZERO, |track| track.last.taken);
         if let Some([older, newer]) = &mut self.healthy
             && self.healthy_at.is_none_or(|at| now - at >= LOOKED_BACK)

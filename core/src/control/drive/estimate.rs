@@ -120,6 +120,13 @@ pub struct DriveEstimate {
     pub scale: [ScaleEstimate; 3],
     /// Whether it moves as skid steer does; none before any motion.
     pub skid: Option<SkidEstimate>,
+    /// Commanded speed of a wheel in rad/s up to which it does not turn. Where it may be none to speak of its interval
+    /// begins at 0 and leaves the rest above.
+    pub dead_band: Quantity,
+    /// The same before any judgement.
+    pub dead_band_prior: Quantity,
+    /// How often a wheel was seen to turn at a steady command, or to stand.
+    pub judgements: u64,
     /// Floors before this one.
     pub floors: u64,
     /// Stretches of motion taken in.
@@ -131,8 +138,18 @@ pub struct DriveEstimate {
 impl DriveEstimate {
     /// How far the estimate of the sum has got: what is known of it beyond the prior, against what that says.
     pub fn status(&self) -> Status {
-        let information = |it: Quantity| (it.sd * it.sd).recip();
-        let prior = information(self.prior);
-        Status::of(((information(self.sum) - prior) / prior).clamp(0.0, 1.0))
+        status(self.sum, self.prior)
     }
+
+    /// The same of the dead band.
+    pub fn dead_band_status(&self) -> Status {
+        status(self.dead_band, self.dead_band_prior)
+    }
+}
+
+/// How far an estimate has got whose prior is `prior`: where it knows as much again it is complete.
+fn status(now: Quantity, prior: Quantity) -> Status {
+    let information = |it: Quantity| (it.sd * it.sd).recip();
+    let before = information(prior);
+    Status::of(((information(now) - before) / before).clamp(0.0, 1.0))
 }

@@ -224,7 +224,7 @@ impl Grid {
 }
 
 /// A positive number to three digits.
-fn three_digits(number: f64) -> f64 {
+pub(super) fn three_digits(number: f64) -> f64 {
     let exponent = 2 - number.log10().floor() as i32;
     let whole = (number * 10.0_f64.powi(exponent)).round();
     // Dividing by a power of ten, not multiplying by its inverse, gives the number that is written shortest.

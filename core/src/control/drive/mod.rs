@@ -7,6 +7,7 @@
 //! meanwhile, scale and slip, is carried along (`filter`) and integrated out.
 
 mod axis;
+mod band;
 mod estimate;
 mod filter;
 mod grid;
@@ -15,11 +16,14 @@ mod recording;
 mod regression;
 mod skid;
 mod spreads;
+mod standing;
 mod stretch;
 
+pub use band::{DeadBand, Turning};
 pub use estimate::{DriveEstimate, PROPOSED_FROM, Quantity, ScaleEstimate, SkidEstimate};
 pub use grid::{LONGEST, PRIOR_MEDIAN, PRIOR_SPREAD};
 pub use recording::{Comparison, ErrorsAhead, Followed, Identified, Percentiles, Recording};
+pub use standing::{settles, shows};
 pub use stretch::{APART, Commanded, GAP, MAX_POSES, MAX_SPAN, Stretch};
 
 use crate::exchange::PoseNoise;
@@ -32,6 +36,7 @@ use regression::{Delay, Regression};
 use serde::{Deserialize, Serialize};
 use skid::SkidBelief;
 use spreads::{DRIFT, OTHER_FLOOR};
+use stretch::LEAST_NOISE;
 
 /// Standard deviations squared of a pose from where the best hypothesis has it, on average, up to which a stretch says what
 /// it seems to: half of all that are understood stay below one.
@@ -64,6 +69,9 @@ pub struct DriveBelief {
     /// Stretches of motion taken in, and those that no hypothesis explains.
     stretches: u64,
     not_understood: u64,
+    /// Up to which speed its wheels do not turn.
+    #[serde(default)]
+    band: DeadBand,
 }
 
 impl DriveBelief {
@@ -82,10 +90,10 @@ impl DriveBelief {
         Self::with(Grid::near(sum.max(0.0)), track_width)
     }
 
-    /// The same motors with other wheels, this track in m apart: how late they follow stays.
+    /// The same motors with other wheels, this track in m apart: how late they follow and below which speed they stand stays.
     pub fn with_other_wheels(self, track_width: f64) -> Self {
-        let Self { stretches, not_understood, .. } = self;
-        Self { stretches, not_understood, ..Self::with(self.grid, track_width) }
+        let Self { stretches, not_understood, band, .. } = self;
+        Self { stretches, not_understood, band, ..Self::with(self.grid, track_width) }
     }
 
     fn with(grid: Grid, track_width: f64) -> Self {
@@ -100,7 +108,44 @@ impl DriveBelief {
             floors: 0,
             stretches: 0,
             not_understood: 0,
+            band: DeadBand::default(),
         }
+    }
+
+    /// Takes in which wheels turned in a stretch of motion of a robot with this drive, as it was `commanded` whatever its
+    /// wheels make of that, and that follows after `settles` s. Whether each that could be judged did; none where none could.
+    pub fn judge_wheels(
+        &mut self,
+        stretch: &Stretch,
+        commanded: &Commanded,
+        drive: &Drive,
+        settles: f64,
+        noise: PoseNoise,
+    ) -> Option<bool> {
+        let judged = standing::judgements(stretch, commanded, drive, settles, noise);
+        judged.iter().for_each(|judgement| self.band.update(*judgement));
+        (!judged.is_empty()).then(|| judged.iter().all(|it| it.moved))
+    }
+
+    /// Whether [`DriveBelief::judge_wheels`] would judge any.
+    pub fn can_judge(
+        stretch: &Stretch,
+        commanded: &Commanded,
+        drive: &Drive,
+        settles: f64,
+        noise: PoseNoise,
+    ) -> bool {
+        !standing::judgements(stretch, commanded, drive, settles, noise).is_empty()
+    }
+
+    /// What is believed of the dead band.
+    pub fn dead_band(&self) -> &DeadBand {
+        &self.band
+    }
+
+    /// Takes back what was judged since it was `band`.
+    pub fn restore_dead_band(&mut self, band: DeadBand) {
+        self.band = band;
     }
 
     /// Takes in a stretch of motion of a robot with this track in m, whose poses are known to `noise`. Whether it was
@@ -264,15 +309,15 @@ impl DriveBelief {
                 ScaleEstimate { together: sum.into(), robot, floor }
             }),
             skid: self.skid.as_ref().map(SkidBelief::estimate),
+            dead_band: self.band.quantity(),
+            dead_band_prior: DeadBand::default().quantity(),
+            judgements: self.band.judged(),
             floors: self.floors,
             stretches: self.stretches,
             not_understood: self.not_understood,
         }
     }
 }
-
-/// The least noise of a pose that is believed: no tracker is exact, and a filter needs some.
-const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
 
 /// The noise of a pose that is described so and `seen` so.
 fn believed(described: f64, seen: f64, least: f64) -> f64 {

@@ -20,6 +20,9 @@ pub const APART: f64 = 0.02;
 /// Where poses are missing for longer in s, another stretch begins.
 pub const GAP: f64 = 0.5;
 
+/// The least noise of a pose that is believed: no tracker is exact, and a filter needs some.
+pub(super) const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
+
 /// Fewest third differences that say something of the noise.
 const FEWEST_THIRDS: usize = 10;
 
@@ -72,6 +75,22 @@ impl Commanded {
             Some((last, so_far)) if *last == twist => *so_far += duration,
             _ => self.pieces.push((twist, duration)),
         }
+    }
+
+    /// Piece by piece: from when to when in robot time.
+    pub(super) fn each(&self) -> impl Iterator<Item = (RobotTime, Twist, RobotTime)> + '_ {
+        self.pieces.iter().scan(self.from, |from, &(twist, duration)| {
+            let begins = *from;
+            *from = begins + duration;
+            Some((begins, twist, *from))
+        })
+    }
+
+    /// The same commands of which the wheels make what `made` says.
+    pub fn made(&self, made: impl Fn(Twist) -> Twist) -> Self {
+        let mut all = Self::new(self.from);
+        self.pieces.iter().for_each(|&(twist, duration)| all.add(made(twist), duration));
+        all
     }
 
     /// Whether it drives, and does not only turn.

@@ -48,7 +48,7 @@ fn drawn(random: &mut Pcg64Mcg, slip: Slip) -> (PlantModel, f64) {
     let sum = PRIOR_MEDIAN * (PRIOR_SPREAD * z).exp();
     let share: f64 = random.random();
     let drive = Drive { lag: sum * share, dead_time: sum * (1.0 - share), ..Drive::default() };
-    (PlantModel { drive, slip, noise: PoseNoise::CAMERA }, sum)
+    (PlantModel { drive, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() }, sum)
 }
 
 /// How far the sum is off in s after three rotations, sorted; and in what part of the runs the intervals of sum and lag
@@ -88,7 +88,12 @@ fn wrong_wheels_are_no_delay() {
     for scale in [0.5, 0.8, 1.25, 2.0] {
         let slip = Slip { turn: SlipChannel::new(scale - 1.0 - 1e-9, 0.01).unwrap(), ..Slip::NONE };
         let mut belief = DriveBelief::new(truth.track_width);
-        rotate(&mut belief, PlantModel { drive: truth, slip, noise: PoseNoise::CAMERA }, 3, 1);
+        rotate(
+            &mut belief,
+            PlantModel { drive: truth, slip, noise: PoseNoise::CAMERA, ..PlantModel::default() },
+            3,
+            1,
+        );
         let sum = belief.estimate().sum;
         assert!((sum.mean - 0.14).abs() < 0.004, "{scale}: {sum:?}");
     }
@@ -102,7 +107,12 @@ fn poses_worse_than_described_say_less() {
     let (mut held, mut sure) = (0, 0);
     for seed in 0..40 {
         let mut belief = DriveBelief::new(drive.track_width);
-        rotate(&mut belief, PlantModel { drive, slip: Slip::HARD, noise }, 3, seed);
+        rotate(
+            &mut belief,
+            PlantModel { drive, slip: Slip::HARD, noise, ..PlantModel::default() },
+            3,
+            seed,
+        );
         let (low, high) = belief.estimate().sum.interval;
         held += u32::from((low..=high).contains(&0.14));
         sure += u32::from(high - low < 0.002);
@@ -133,7 +143,12 @@ fn what_is_not_understood_changes_nothing() {
 fn it_is_kept_as_it_is() {
     let mut belief = DriveBelief::new(0.1);
     let drive = Drive { lag: 0.1, ..Drive::default() };
-    rotate(&mut belief, PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA }, 3, 1);
+    rotate(
+        &mut belief,
+        PlantModel { drive, slip: Slip::HARD, noise: PoseNoise::CAMERA, ..PlantModel::default() },
+        3,
+        1,
+    );
     let kept = serde_json::to_string(&belief).unwrap();
     assert_eq!(serde_json::from_str::<DriveBelief>(&kept).unwrap(), belief);
     assert!(kept.len() < 5_000, "{} bytes", kept.len());

@@ -11,7 +11,12 @@ fn scenario(link: LinkModel, floor: Slip, slots: usize) -> Scenario {
     let settings = Settings { slots, noise: PoseNoise::CAMERA, ..Settings::default() };
     Scenario {
         settings,
-        plant: PlantModel { drive: settings.drive, slip: floor, noise: PoseNoise::CAMERA },
+        plant: PlantModel {
+            drive: settings.drive,
+            slip: floor,
+            noise: PoseNoise::CAMERA,
+            ..PlantModel::default()
+        },
         link,
         task: Task::thesis(),
         start: Pose::default(),

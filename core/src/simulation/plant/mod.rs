@@ -39,6 +39,8 @@ pub struct PlantModel {
     pub slip: Slip,
     /// The camera.
     pub noise: PoseNoise,
+    /// Speed in rad/s commanded of a wheel up to which its motor does not turn it; 0 where every command does.
+    pub dead_band: f64,
 }
 
 /// Why a plant cannot be.
@@ -89,7 +91,7 @@ pub enum PlantError {
 impl PlantModel {
     /// Checks every field that the plant uses; the first that means nothing is the error.
     pub fn validate(&self) -> Result<(), PlantError> {
-        let Self { drive, noise, .. } = self;
+        let Self { drive, noise, dead_band, .. } = self;
         for (field, value) in [
             ("wheel_radius", drive.wheel_radius),
             ("track_width", drive.track_width),
@@ -104,6 +106,7 @@ impl PlantModel {
             ("dead_time", drive.dead_time),
             ("position", noise.position),
             ("heading", noise.heading),
+            ("dead_band", *dead_band),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(PlantError::Negative { field, value });
@@ -270,7 +273,10 @@ impl Plant {
     /// Puts `command` on its way to the wheels.
     fn give(&mut self, command: WheelSpeeds) {
         let limit = self.model.drive.max_wheel_speed;
-        let limited = |speed: f64| if speed.is_nan() { 0.0 } else { speed.clamp(-limit, limit) };
+        let band = self.model.dead_band;
+        // What is not a number turns no wheel either.
+        let turns = |speed: f64| speed.abs() > band;
+        let limited = |speed: f64| if turns(speed) { speed.clamp(-limit, limit) } else { 0.0 };
         let command = WheelSpeeds { left: limited(command.left), right: limited(command.right) };
         if command == self.given {
             return;

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 const FAST: Twist = Twist::new(0.13, 0.0);
 
 fn plant(drive: Drive, slip: Slip, seed: u64) -> Plant {
-    let model = PlantModel { drive, slip, noise: PoseNoise::NONE };
+    let model = PlantModel { drive, slip, noise: PoseNoise::NONE, ..PlantModel::default() };
     Plant::new(model, Pose::default(), seed).unwrap()
 }
 
@@ -221,6 +221,7 @@ fn what_means_nothing_is_refused_with_its_value_and_never_moves_the_robot() {
         drive(Drive { dead_time: 1.1, ..d }),
         noise(-0.1, 0.0),
         noise(0.0, f64::INFINITY),
+        PlantModel { dead_band: -0.1, ..good },
     ];
     for model in refused {
         assert!(Plant::new(model, Pose::default(), 1).is_err(), "{model:?}");
@@ -234,6 +235,18 @@ fn what_means_nothing_is_refused_with_its_value_and_never_moves_the_robot() {
     assert_eq!((plant.pose(), plant.time()), (Pose::default(), 1.0));
     plant.advance(WheelSpeeds { left: f64::INFINITY, right: 99.0 }, 1.0);
     assert!((plant.pose().x - 8.0 * 0.03).abs() < 1e-12);
+}
+
+/// Guards against: a wheel that creeps below its dead band, or is slower than commanded above it.
+#[test]
+fn a_wheel_turns_as_commanded_above_its_dead_band_and_not_below() {
+    let model = PlantModel { dead_band: 1.0, ..PlantModel::default() };
+    let mut plant = Plant::new(model, Pose::default(), 1).unwrap();
+    plant.advance(WheelSpeeds { left: 1.0, right: -0.9 }, 1.0);
+    assert_eq!(plant.pose(), Pose::default());
+    plant.advance(WheelSpeeds { left: 0.99, right: 1.01 }, 1.0);
+    assert_eq!(plant.wheel_speeds(), WheelSpeeds { left: 0.0, right: 1.01 });
+    assert!((plant.pose().heading.radians() - 1.01 * 0.03 / 0.1).abs() < 1e-9);
 }
 
 proptest! {

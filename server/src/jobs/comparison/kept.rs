@@ -102,7 +102,12 @@ impl Environment {
         let slip = slip.convert().map_err(|error| error.to_string())?;
         Ok(comparison::Environment {
             name: name.clone(),
-            plant: PlantModel { drive: drive.convert(), slip, noise: noise.convert() },
+            plant: PlantModel {
+                drive: drive.convert(),
+                slip,
+                noise: noise.convert(),
+                ..PlantModel::default()
+            },
             link: link.convert().map_err(|error| error.to_string())?,
             region: region.as_ref().map(Region::convert).transpose()?,
         })

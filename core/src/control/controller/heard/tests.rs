@@ -43,7 +43,8 @@ impl Closed {
             Settings { drive, attribution, method: Method::Statistic, ..Settings::default() };
         let mut controller = Controller::new(settings);
         controller.set_task(Task { calibration: None, ..Task::thesis() });
-        let model = PlantModel { drive, slip: Slip::NONE, noise: PoseNoise::NONE };
+        let model =
+            PlantModel { drive, slip: Slip::NONE, noise: PoseNoise::NONE, ..PlantModel::default() };
         Self {
             controller,
             exchange: Exchange::new(RobotTime::ZERO),

@@ -33,6 +33,7 @@ impl<F: PathFollower> Roll<'_, F> {
                 Phase::Idle | Phase::Settling | Phase::Arrived => Some(Twist::ZERO),
                 Phase::Checking { part, since } => self.wiggle(task, part, since),
                 Phase::Squaring { run, part, at, done } => self.square(task, (run, part), at, done),
+                Phase::Ramping { level, since } => self.ramp(task, level, since),
                 Phase::Calibrating { turn, since } => self.rotate(task, turn, since),
                 Phase::Straight { outbound, origin, since } => {
                     self.straight(task, outbound, origin, since)
@@ -49,7 +50,7 @@ impl<F: PathFollower> Roll<'_, F> {
     }
 
     /// Whether `seconds` have passed since `since`.
-    fn has_passed(&self, since: RobotTime, seconds: f64) -> bool {
+    pub(super) fn has_passed(&self, since: RobotTime, seconds: f64) -> bool {
         self.state.time - since >= seconds - SAME_TIME
     }
 
@@ -81,6 +82,10 @@ impl<F: PathFollower> Roll<'_, F> {
             };
             return None;
         };
+        if turn == 0 && since.is_none() && self.is_worth_a_ramp() {
+            self.state.phase = Phase::Ramping { level: 0, since: None };
+            return None;
+        }
         let since = since.unwrap_or(self.state.time);
         if self.has_passed(since, calibration.rotate + calibration.pause) {
             self.state.phase = Phase::Calibrating { turn: turn + 1, since: None };
@@ -91,7 +96,7 @@ impl<F: PathFollower> Roll<'_, F> {
             return Some(Twist::ZERO);
         }
         let side = if turn.is_multiple_of(2) { 1.0 } else { -1.0 };
-        Some(Twist::new(0.0, side * calibration.angular))
+        Some(Twist::new(0.0, side * self.turning_speed(calibration.angular)))
     }
 
     fn straight(
@@ -159,9 +164,14 @@ impl<F: PathFollower> Roll<'_, F> {
             remaining += TAU;
         }
         let (_, overrun) = self.floors.overrun(drive, self.state.previous);
-        // A motor that does not turn slowly cannot turn by little: what the curve can take is left to it.
+        // A motor that does not turn slowly cannot turn by little: what the curve can take is left to it, or, where it is
+        // known from which speed on it turns, what that makes of a slot.
         let is_coarse = self.floors.turn.least > 0.0;
-        let left_over = if is_coarse { self.settings.steering.turn_tolerance } else { 0.0 };
+        let left_over = match (is_coarse, self.state.is_band_known) {
+            (false, _) => 0.0,
+            (true, true) => self.least.angular * self.settings.slot,
+            (true, false) => self.settings.steering.turn_tolerance,
+        };
         let least = (drive.min_angular * self.settings.slot / 2.0).max(overrun).max(left_over);
         let least = least.max(good_enough / 2.0);
         if remaining > least {

@@ -4,6 +4,7 @@ mod approach;
 mod decide;
 mod mend;
 mod phase;
+mod ramp;
 mod roll;
 mod sight;
 mod square;

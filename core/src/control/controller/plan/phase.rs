@@ -21,6 +21,8 @@ pub enum Phase {
     Checking { part: u32, since: Option<RobotTime> },
     /// At this part of this run of a square, of which so much was `done` at `at`: s of a rest, m of a side, rad of a turn.
     Squaring { run: u32, part: u32, at: Option<RobotTime>, done: f64 },
+    /// Turning in place at this level of a ramp of speeds, before a calibration, at that speed since `since`.
+    Ramping { level: u32, since: Option<RobotTime> },
     /// Rotating and stopping for the `turn`th time, since `since`.
     Calibrating { turn: u32, since: Option<RobotTime> },
     /// The calibration's straight part, ahead of `origin` and back; at its end since `since`.
@@ -56,7 +58,7 @@ impl Phase {
 
     /// Whether the motion is open loop: how sure the pose is does not matter to it.
     pub fn is_open_loop(self) -> bool {
-        matches!(self, Self::Checking { .. } | Self::Squaring { .. })
+        matches!(self, Self::Checking { .. } | Self::Squaring { .. } | Self::Ramping { .. })
     }
 
     /// The waypoint that the robot is heading for, once its calibration is over.
@@ -77,6 +79,7 @@ impl Phase {
             // Its parts mean nothing without those before them.
             Self::Checking { .. } => Self::Checking { part: 0, since: None },
             Self::Squaring { run, .. } => Self::run_of_square(run),
+            Self::Ramping { level, .. } => Self::Ramping { level, since: None },
             Self::Calibrating { turn, .. } => Self::Calibrating { turn, since: None },
             Self::Straight { outbound, origin, .. } => {
                 Self::Straight { outbound, origin, since: None }
@@ -91,6 +94,7 @@ impl Phase {
             Self::Idle => Stage::Idle,
             Self::Checking { .. }
             | Self::Squaring { .. }
+            | Self::Ramping { .. }
             | Self::Calibrating { .. }
             | Self::Straight { .. } => Stage::Calibrating,
             Self::Turning { .. } => Stage::Turning,

@@ -32,6 +32,14 @@ pub struct Start {
     pub stopped: bool,
     /// Time in s at rest after which the robot leaves a waypoint: long enough to be seen there.
     pub rest: f64,
+    /// Time in s after which the drive follows a command.
+    pub settles: f64,
+    /// Time in s by which a motion may begin before the first pose of it and end after the last.
+    pub between: f64,
+    /// Speed in rad/s up to which the wheels may stand; 0 where that is not identified.
+    pub may_stand: f64,
+    /// Whether the smallest turn is that of an identified dead band.
+    pub is_band_known: bool,
 }
 
 /// One slot under one command.

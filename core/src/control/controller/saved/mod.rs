@@ -73,7 +73,9 @@ impl Saved {
             Phase::Idle => legs == 0 && task.check.is_none() && task.square.is_none(),
             Phase::Checking { .. } => task.check.is_some(),
             Phase::Squaring { .. } => task.square.is_some(),
-            Phase::Calibrating { .. } | Phase::Straight { .. } => task.calibration.is_some(),
+            Phase::Ramping { .. } | Phase::Calibrating { .. } | Phase::Straight { .. } => {
+                task.calibration.is_some()
+            }
             Phase::Settling => true,
             Phase::Turning { leg, .. } | Phase::Driving { leg } | Phase::Stopping { leg, .. } => {
                 leg < legs
@@ -132,7 +134,7 @@ impl Controller {
                 ..Self::new(settings)
             };
             if let (Some(follows), Some(belief)) = (&mut restored.follows, drive) {
-                *follows = Follows::of(belief);
+                *follows = Follows::of(belief, &settings);
             }
             if let (Some(belief), Some(noise)) = (&mut restored.noise, noise) {
                 **belief = NoiseBelief::of(noise);

@@ -40,7 +40,12 @@ const PLAIN: Driven = Driven {
 /// A minute of a robot with a lag of 0.1 s and a dead time of 0.04 s.
 fn recorded(how: Driven) -> Recording {
     let drive = Drive { lag: 0.1, dead_time: 0.04, track_width: TRACK, ..Drive::default() };
-    let model = PlantModel { drive, slip: Slip::preset(how.floor).unwrap(), noise: CAMERA };
+    let model = PlantModel {
+        drive,
+        slip: Slip::preset(how.floor).unwrap(),
+        noise: CAMERA,
+        ..PlantModel::default()
+    };
     let mut plant = Plant::new(model, Pose::default(), how.seed).unwrap();
     let mut random = Pcg64Mcg::seed_from_u64(how.seed);
     let mut recording = Recording::default();

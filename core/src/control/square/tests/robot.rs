@@ -65,7 +65,7 @@ impl Robot {
         Self {
             settings: Settings { drive, noise, ..Settings::default() },
             square: Square::default(),
-            plant: PlantModel { drive, slip, noise },
+            plant: PlantModel { drive, slip, noise, ..PlantModel::default() },
             rate: 30.0,
             delays: (0.02, 0.02),
             seed: 1,
