@@ -65,9 +65,10 @@ fn on_a_straight_leg_skid_steer_drives_as_differential() {
     let (time, deviation) = cost(&scenario(Kind::Differential, Kind::Differential, &leg));
     for kind in [skid_steer(0.05, 0.0), skid_steer(-0.05, 0.0), skid_steer(0.02, -1.0)] {
         let told = cost(&scenario(kind, kind, &leg));
-        // The task begins where the calibration ends, with a small turn that moves the middle aside.
+        // The task begins where the calibration ends, with a turn of a quarter of a radian at most that moves the middle aside.
+        let aside = 0.25 * kind.sideways().abs();
         assert!(
-            told.0 < 1.05 * time && told.1 < deviation + 0.003,
+            told.0 < 1.05 * time && told.1 < deviation + 0.001 + aside,
             "{kind:?}: {told:?}, {time} s {deviation} m"
         );
     }

@@ -2,10 +2,12 @@
 
 use super::harness::{Floor, Run, Show, Wheels, World, amr, burger, mini, rover};
 use super::{blocked, dead_band};
+use crate::METHOD;
 use umwelt_core::controller::{Controller, Event, Saved};
 use umwelt_core::exchange::{Observation, Request};
 use umwelt_core::geometry::{Pose, Twist, WheelSpeeds};
 use umwelt_core::identification::estimate::Channel;
+use umwelt_core::settings::Method;
 use umwelt_core::task::{Limit, Stage, Task};
 use umwelt_core::time::RobotTime;
 use umwelt_core::watch::{Alarm, Condition, Oddity};
@@ -100,8 +102,15 @@ fn a_robot_with_one_dead_wheel_rests_and_the_wheel_is_named() {
             });
             let run = World { wheels, ..World::new(drive, &[to]) }.run(60.0);
             let found = run.controller.watch_state();
-            let named = Alarm::NotAsDescribed(Oddity::OneWheel { left });
-            assert_eq!(found, Some((named, true)), "{}", run.report());
+            let named = match METHOD {
+                // Commands are corrected meanwhile: what shows of it is a wheel that is inverted, or a point that shifts.
+                Method::Adaptive => matches!(
+                    run.condition(),
+                    Some(Condition::NotAsDescribed | Condition::FrameMismatch)
+                ),
+                _ => found == Some((Alarm::NotAsDescribed(Oddity::OneWheel { left }), true)),
+            };
+            assert!(named, "{}", run.report());
             assert!(run.turned().0 <= 15.0, "{}", run.report());
         }
     }

@@ -108,6 +108,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let (mut moments, model) =
             (Moments::new(drive.kind, Pose::default(), PoseNoise::NONE), self.error_model());
         let (mut pieces, mut motion) = (Pieces::gathered(), Motion::NONE);
+        let floors = self.floors(drive);
         let mut now = wheels;
         let mut advance = |piece: Motion| {
             moments.advance(&model, piece);
@@ -115,7 +116,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         };
         self.walk(from, until, |speeds, duration| {
             let (end, twist) = kinematics::travel(drive, now, speeds, duration);
-            if let Some(piece) = pieces.add(self.watch.floors().moving(twist), duration) {
+            if let Some(piece) = pieces.add(floors.moving(twist), duration) {
                 advance(piece);
             }
             now = end;

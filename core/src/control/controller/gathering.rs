@@ -98,7 +98,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             .ends()
             .is_some_and(|(first, _)| follows.ramped.is_some_and(|until| first.taken <= until));
         let commanded = commanded.made(|twist| floors.moving(twist));
-        if !all_turn || is_ramp || !commanded.moves() {
+        if !all_turn || is_ramp || stretch.is_still() || !commanded.moves() {
             return;
         }
         if follows.learn(&stretch, &commanded, noise, self.settings.drive.track_width) {

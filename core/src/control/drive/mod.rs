@@ -74,6 +74,9 @@ pub struct DriveBelief {
     band: DeadBand,
 }
 
+/// A scale below this is none: a quarter of what is commanded.
+const LEAST_SCALE: f64 = -0.75;
+
 impl DriveBelief {
     /// The belief before any sample, of a robot with this track in m of whose drive nothing else is known.
     pub fn new(track_width: f64) -> Self {
@@ -182,9 +185,14 @@ impl DriveBelief {
             }
             let sum: f64 = judged.iter().map(|it| after.weight(&it.hypothesis)).sum();
             let weighted = || judged.iter().map(|it| (it, after.weight(&it.hypothesis) / sum));
-            self.turn = Regression::mixture(weighted().map(|(it, part)| (it.turn.known, part)));
-            self.forward =
+            let turn = Regression::mixture(weighted().map(|(it, part)| (it.turn.known, part)));
+            let forward =
                 Regression::mixture(weighted().map(|(it, part)| (it.forward.known, part)));
+            // Wheels that stand are no small wheels.
+            if turn.of(0).mean < LEAST_SCALE || forward.of(0).mean < LEAST_SCALE {
+                break;
+            }
+            (self.turn, self.forward) = (turn, forward);
             self.grid = after;
             self.stretches += 1;
             // Poses that are worse than described say less of this, too.

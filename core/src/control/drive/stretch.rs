@@ -110,6 +110,12 @@ impl Stretch {
         Some((*self.poses.first()?, *self.poses.last()?))
     }
 
+    /// Whether most of it is one pose: of a tracker that froze, or of one without noise that sees a robot stand.
+    pub fn is_still(&self) -> bool {
+        let same = self.poses.windows(2).filter(|pair| pair[0].pose == pair[1].pose).count();
+        2 * same > self.poses.len()
+    }
+
     /// One pose more, later than those before; whether there was room.
     pub fn push(&mut self, pose: Observation) -> bool {
         self.poses.try_push(pose).is_ok()

@@ -24,8 +24,9 @@ const ASIDE: f64 = 0.5;
 impl<F: PathFollower> Roll<'_, F> {
     /// Whether a robot that would come to rest where it is predicted to has missed `target` by little.
     fn is_near(&self, task: &Task, target: Point) -> bool {
-        // One that turns about another point has a way of its own.
+        // One that turns about another point has a way of its own; one that does not move slowly strays by arcs.
         self.settings.method == Method::Adaptive
+            && self.floors.is_none()
             && self.settings.drive.sideways() == 0.0
             && self.coasted().point().distance(target) <= NEAR * task.tolerance
     }

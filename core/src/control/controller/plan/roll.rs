@@ -155,6 +155,14 @@ impl<F: PathFollower> Roll<'_, F> {
             return mean;
         }
         let twist = kinematics::forward(drive, self.state.wheels);
+        // Wheels that are still too slow to turn carry it nowhere.
+        let previous = self.state.previous;
+        let half = drive.track_width / 2.0;
+        let speed = |twist: Twist| twist.linear.abs() + half * twist.angular.abs();
+        let speeds_up = previous != Twist::ZERO && speed(twist) <= speed(previous);
+        if speeds_up && self.floors.moving(previous) == Twist::ZERO {
+            return mean;
+        }
         mean.then(drive.of_middle(kinematics::integrate(twist, drive.lag)))
     }
 }
