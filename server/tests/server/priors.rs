@@ -103,7 +103,9 @@ async fn a_robot_goes_by_the_name_and_says_why() {
         (own, Value::Null, "inline"),
         (json!("dune"), json!("dune"), "put"),
     ] {
-        assert!(api.put("/v1/robots/r", json!({"prior": prior})).await.code < 300);
+        // Of adaptive it is one of many priors.
+        let body = json!({"prior": prior, "method": "bayesian"});
+        assert!(api.put("/v1/robots/r", body).await.code < 300);
         let used = api.get("/v1/robots/r/environment").await.json()["prior"].clone();
         assert_eq!((&used["name"], &used["source"]["kind"]), (&name, &json!(kind)), "{used}");
         assert!(!used["why"].as_str().unwrap().is_empty());

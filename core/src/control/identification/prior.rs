@@ -65,7 +65,8 @@ impl Prior {
         }
     }
 
-    /// The champion of the thesis's evolution: `umwelt-server evolve --preset thesis --seed 1`.
+    /// The champion of the thesis's evolution: `umwelt-server evolve --preset thesis --seed 1`, bred, as the two that follow, while
+    /// the straight part of calibrations was steered; the command makes another one of the same kind now.
     ///
     /// It makes a robot careful: on the bad link, one command per reply, it strays by little more than a third of what it
     /// does with the default prior, and on the normal one it takes more than three times as long. That is what the mean

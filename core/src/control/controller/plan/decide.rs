@@ -2,10 +2,10 @@
 
 use super::super::compensation::PathFollower;
 use super::approach::{Approach, STRAY};
-use super::phase::{Phase, REST_SLOTS};
+use super::phase::Phase;
 use super::roll::Roll;
 use crate::check::{Part, Wiggle};
-use crate::geometry::{Displacement, Pose, Twist};
+use crate::geometry::Twist;
 use crate::steering;
 use crate::task::{Limit, Task};
 use crate::time::RobotTime;
@@ -97,36 +97,6 @@ impl<F: PathFollower> Roll<'_, F> {
         }
         let side = if turn.is_multiple_of(2) { 1.0 } else { -1.0 };
         Some(Twist::new(0.0, side * self.turning_speed(calibration.angular)))
-    }
-
-    fn straight(
-        &mut self,
-        task: &Task,
-        outbound: bool,
-        origin: Pose,
-        since: Option<RobotTime>,
-    ) -> Option<Twist> {
-        let length = task.calibration.map_or(0.0, |calibration| calibration.straight);
-        let ahead = Displacement { forward: length, ..Displacement::default() };
-        let target = if outbound { origin.then(ahead) } else { origin };
-        if since.is_none()
-            && let Approach::Go(twist, limit) =
-                self.approach(None, target.point(), !outbound, task.tolerance)
-        {
-            self.limit = Some(limit);
-            return Some(twist);
-        }
-        let since = since.unwrap_or(self.state.time);
-        if self.rests() && self.has_passed(since, f64::from(REST_SLOTS) * self.settings.slot) {
-            self.state.phase = if outbound {
-                Phase::Straight { outbound: false, origin, since: None }
-            } else {
-                Phase::Settling
-            };
-            return None;
-        }
-        self.state.phase = Phase::Straight { outbound, origin, since: Some(since) };
-        Some(Twist::ZERO)
     }
 
     fn turn(&mut self, task: &Task, leg: usize, side: i8) -> Option<Twist> {

@@ -8,6 +8,7 @@ mod ramp;
 mod roll;
 mod sight;
 mod square;
+mod straight;
 
 pub use phase::{Phase, Phases, REST_SLOTS};
 pub use roll::Start;
