@@ -1,7 +1,9 @@
 //! `umwelt environment`: what is identified of a robot's. The simulated ones by name are in [`training`].
 
 mod kind;
+mod noise;
 mod show;
+mod wheels;
 
 use super::failure::Failure;
 use super::output::Output;

@@ -1,12 +1,14 @@
 //! What is identified of a robot's environment, in words and a table.
 
 use super::kind::kind;
+use super::noise::noise;
+use super::wheels::wheels;
 use crate::cli::quantity::{UNKNOWN, milliseconds, or_unknown, percent};
 use crate::cli::table::{Column, Table};
 use std::fmt::Write;
 use umwelt_api::RobotId;
 use umwelt_api::environment::{
-    Channel, DeadBand, Drive, Environment, Estimate, Interval, Link, Noise, Scale, Status,
+    Channel, DeadBand, Drive, Environment, Estimate, Interval, Link, Status,
 };
 use umwelt_api::robot::Method;
 use umwelt_api::watch;
@@ -55,7 +57,7 @@ pub(super) fn show(robot: &RobotId, environment: &Environment) -> String {
         }
     }
     if let Some(it) = &environment.noise {
-        let _ = writeln!(text, "{}", noise(it, &level));
+        let _ = writeln!(text, "{}", noise(it, &level, &status(it.status, None, None)));
     }
     let _ = write!(text, "{}", link(&environment.link, &level));
     let prior = environment.prior.name.as_ref().map_or("the robot's own", |name| name.as_str());
@@ -139,60 +141,6 @@ fn motors(band: &DeadBand, level: &str) -> String {
     text
 }
 
-/// Wheels and track with which it moves as it does, and what of that is the floor's.
-fn wheels(scale: &Scale) -> String {
-    let metres = |it: &Estimate| match (it.mean, it.sd) {
-        (Some(mean), Some(sd)) => format!("{mean:.5} +- {sd:.5} m"),
-        _ => UNKNOWN.to_owned(),
-    };
-    let ratio = |it: &Estimate| match (it.mean, it.sd) {
-        (Some(mean), Some(sd)) => format!("{:+.2} +- {:.2} %", 1e2 * mean, 1e2 * sd),
-        _ => UNKNOWN.to_owned(),
-    };
-    let (radius, track) = (metres(&scale.wheel_radius_m), metres(&scale.track_width_m));
-    let (said, width) = (scale.described_wheel_radius_m, scale.described_track_width_m);
-    let use_of_it = if scale.used { "commands are corrected" } else { "not used by this method" };
-    let larger = ratio(&scale.right_larger);
-    let mut text = format!(
-        "wheels   moves as with a wheel radius of {radius}, described {said}; a track of {track}, described {width}; the right wheel \
-         larger by {larger}; {use_of_it}\n"
-    );
-    let [together, robot, floor] =
-        [&scale.forward.together, &scale.forward.robot, &scale.forward.floor].map(ratio);
-    let _ = writeln!(
-        text,
-        "         forward {together} in all: robot {robot}, floor {floor}; they part on another floor, which a reset begins"
-    );
-    text
-}
-
-/// How noisy its poses are.
-fn noise(noise: &Noise, level: &str) -> String {
-    let millimetres = |metres: f64| format!("{:.2} mm", 1e3 * metres);
-    let degrees = |radians: f64| format!("{:.2} deg", radians.to_degrees());
-    let mut text = format!(
-        "poses    off by {} and {} each (standard deviations)",
-        or_unknown(noise.position_m.mean, millimetres),
-        or_unknown(noise.heading_rad.mean, degrees)
-    );
-    if let (Some(position), Some(heading)) = (noise.position_m.interval, noise.heading_rad.interval)
-    {
-        let _ = write!(
-            text,
-            ", with {level} within {} .. {} and {} .. {}",
-            millimetres(position.low),
-            millimetres(position.high),
-            degrees(heading.low),
-            degrees(heading.high)
-        );
-    }
-    let _ = write!(text, "; {}", status(noise.status, None, None));
-    if let Some(poses) = noise.poses {
-        let _ = write!(text, " from {poses:.0} poses in motion");
-    }
-    text
-}
-
 fn link(link: &Link, level: &str) -> String {
     let Link { samples, late, .. } = link;
     let mut text = match (link.median_s, link.p99_s) {
@@ -234,6 +182,7 @@ fn method(method: Method) -> &'static str {
 mod tests {
     use super::*;
     use umwelt_api::environment::{Channels, Prior, Split};
+    use umwelt_api::environment::{Noise, Scale};
     use umwelt_api::prior::Source;
 
     fn estimate(mean: f64, low: f64, high: f64) -> Estimate {

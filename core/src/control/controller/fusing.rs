@@ -7,7 +7,7 @@ use crate::fusion::{self, Fusion, Kind, Moved, NoiseBelief, Reach, Verdict};
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::kinematics;
 use crate::prediction::{ERROR_WINDOW, ErrorModel, Moments, Motion, Pieces};
-use crate::settings::{Method, Settings};
+use crate::settings::Settings;
 use crate::time::RobotTime;
 use nalgebra::Matrix3;
 
@@ -171,9 +171,4 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let power = ERROR_WINDOW * (length_power + round);
         belief.push(&fusion::Step { off, turn: by.turn, kind, power });
     }
-}
-
-/// What is believed of the noise of poses at first, where they are fused.
-pub(super) fn noise_of(settings: &Settings) -> Option<Box<NoiseBelief>> {
-    (settings.method == Method::Adaptive).then(Box::default)
 }

@@ -161,7 +161,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             track: None,
             rejected: None,
             fusion: None,
-            noise: fusing::noise_of(&settings),
+            noise: NoiseBelief::asked(settings.method),
             task: None,
             phase: Phase::Idle,
             phases: Phases::new(),

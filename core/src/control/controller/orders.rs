@@ -3,10 +3,10 @@
 use super::Controller;
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::follows::Follows;
-use super::fusing;
 use super::heard::Heard;
 use super::plan::Phase;
 use super::record::Record;
+use crate::fusion::NoiseBelief;
 use crate::identification::Belief;
 use crate::kinematics::Drive;
 use crate::local::LocalLimits;
@@ -117,7 +117,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             self.healthy = None;
         }
         if old.method != settings.method {
-            (self.noise, self.fusion) = (fusing::noise_of(&settings), None);
+            (self.noise, self.fusion) = (NoiseBelief::asked(settings.method), None);
         }
         let follows = Follows::redescribed(self.follows.take(), old, &settings);
         self.follows = follows.or_else(|| Follows::new(&settings));

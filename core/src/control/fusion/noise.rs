@@ -10,6 +10,7 @@
 use crate::exchange::PoseNoise;
 use crate::identification::estimate::NORMAL_HALF_WIDTH;
 use crate::identification::{Status, progress};
+use crate::settings::Method;
 use serde::{Deserialize, Serialize};
 
 /// Ratios of the variance that a walk gains per unit of commanded motion to that of the noise, half a decade apart.
@@ -120,6 +121,11 @@ impl Identified {
 }
 
 impl NoiseBelief {
+    /// The belief at first, where a robot of this `method` is one whose poses are fused.
+    pub fn asked(method: Method) -> Option<Box<Self>> {
+        (method == Method::Adaptive).then(Box::default)
+    }
+
     /// Goes on from what was identified, of which the last poses count: the tracker may be another one.
     pub fn of(identified: [Identified; 2]) -> Self {
         let mut belief = Self { identified, ..Self::default() };
