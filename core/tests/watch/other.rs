@@ -78,6 +78,21 @@ fn poses_of_chance_end_in_rest() {
     );
 }
 
+/// Guards against: poses that are set aside count as poses, and a robot that sees none but those drives on by its commands.
+#[test]
+fn a_robot_that_sees_nothing_but_wrong_poses_rests_as_soon_as_one_without_any() {
+    for rate in [3.0, 10.0, 30.0] {
+        let show: Show = Box::new(|n, t, pose| {
+            let chance = |of: f64| (n as f64 * of).sin() * 43_758.545_3 % 1.0;
+            let (x, y) = (pose.x + 50.0 * chance(12.9898), pose.y + 50.0 * chance(78.233));
+            Some(if t < 4.0 { pose } else { Pose::new(x, y, 3.0 * chance(37.719)) })
+        });
+        let run = World { rate, show, ..World::new(rover(), &[(5.0, 0.0)]) }.run(9.0);
+        let rest = run.rests_from().unwrap_or(f64::INFINITY);
+        assert!(run.condition().is_some() && rest < 4.0 + 2.0, "{rate} Hz: {}", run.report());
+    }
+}
+
 /// A robot that turns a sixth of what is commanded circles its goal; one that gets there is let go on.
 #[test]
 fn a_robot_that_circles_is_not_as_described() {

@@ -24,7 +24,8 @@ pub enum Method {
     Statistic,
     /// Prior and samples: the thesis's method.
     Bayesian,
-    /// The same, and the scale of the drive is identified by itself: commands are corrected by it.
+    /// The same, poses are fused with what the commands predict, and the drive is identified by itself: commands are corrected
+    /// by it.
     Adaptive,
 }
 

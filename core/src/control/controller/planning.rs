@@ -54,7 +54,9 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         };
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
         let before = self.commands.at(attribution, &drive, begins - SAME_BOUNDARY);
-        let age = request.sent - taken;
+        // Poses that are set aside are no poses.
+        let seen = track.seen.taken;
+        let age = request.sent - seen;
         let floors = self.floors(&drive);
         let start = Start {
             time: begins,
@@ -66,7 +68,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
             stopped: self.stopped
                 || self.watch.rests()
                 || self.heard.is_held()
-                || begins - taken > self.compensation.delay.max_pose_age(&self.acting),
+                || begins - seen > self.compensation.delay.max_pose_age(&self.acting),
             rest: f64::from(REST_SLOTS) * slot + COASTS * drive.lag + track.interval,
             settles: self.settles(),
             between: 2.0 * (track.interval + slot),

@@ -62,7 +62,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         if !self.is_watched {
             return;
         }
-        let age = self.track.map(|track| now - track.last.taken);
+        let age = self.track.map(|track| now - track.seen.taken);
         let (begun, ended) = self.watch.age(now, age, self.wants_motion());
         if let Some(alarm) = begun {
             let _ = events.try_push(Event::Found { alarm, rests: true });

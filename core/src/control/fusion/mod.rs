@@ -123,11 +123,6 @@ impl Fusion {
         &self.hypotheses[self.chosen].pose
     }
 
-    /// Whether the newest pose was the robot's.
-    pub fn is_seen(&self) -> bool {
-        !self.hypotheses[self.chosen].is_wrong
-    }
-
     /// Takes in a pose `observed` with this `noise` (covariance) `span` s after the last one, since which the robot has `moved`
     /// by its commands, and may have moved within `reach` otherwise.
     pub fn observe(
