@@ -108,7 +108,7 @@ async fn a_watched_evolution_ends_with_its_report_and_its_prior_can_be_used() {
     assert_eq!((&prior["source"]["evolution"], &prior["source"]["seed"]), (&source, &json!(4)));
 
     // A robot that names it uses it, and can say why.
-    let robot = umwelt(&server, "robot add rover-7 --prior tried").await;
+    let robot = umwelt(&server, "robot add rover-7 --prior tried --method bayesian").await;
     assert_eq!(robot["spec"]["prior"], "tried");
     let environment = umwelt(&server, "environment show rover-7").await;
     assert_eq!(environment["prior"]["name"], "tried");
