@@ -10,7 +10,7 @@ use umwelt_core::geometry::Pose;
 use umwelt_core::kinematics::Drive;
 use umwelt_core::link::LinkModel;
 use umwelt_core::plant::{Lateness, PlantModel};
-use umwelt_core::settings::{PoseNoise, Settings};
+use umwelt_core::settings::{Attribution, Method, PoseNoise, Settings};
 use umwelt_tests::proxy::Proxy;
 use umwelt_tests::rover::{Agent, Simulated};
 use umwelt_tests::server::{self, Server};
@@ -21,7 +21,14 @@ const GOAL: f64 = 0.4;
 
 /// Time in s of the task in simulated time, alone over a clean link, of the robot of this seed.
 fn alone(seed: u64) -> f64 {
-    let known = Settings { noise: PoseNoise::CAMERA, ..Settings::default() };
+    // As a new robot of which nothing is said.
+    let known = Settings {
+        noise: PoseNoise::CAMERA,
+        identifies_noise: true,
+        method: Method::Adaptive,
+        attribution: Attribution::Played,
+        ..Settings::default()
+    };
     let settings = complete(known, |_| false);
     let Lateness { lag, dead_time } = Lateness::drawn(seed);
     let drive = Drive { lag, dead_time, ..settings.drive };
