@@ -50,6 +50,9 @@ impl PoseNoise {
     pub const NONE: Self = Self { position: 0.0, heading: 0.0 };
     /// A camera or motion capture: 0.5 mm and 3 mrad (field facts: 0.5-0.7 mm and 2.6-3 mrad per pose).
     pub const CAMERA: Self = Self { position: 0.0005, heading: 0.003 };
+
+    /// The least noise that is believed: no tracker is exact, and a filter needs some.
+    pub const LEAST: Self = Self { position: 5e-5, heading: 2e-4 };
 }
 
 /// The measured loop delay of one reply.

@@ -1,21 +1,19 @@
 //! Where the robot is by all poses, for the method that fuses them: what its commands predict goes in from here.
 
 use super::compensation::{DelayModel, PathFollower, PoseEstimator};
+use super::observing::MAX_GAP;
 use super::{Controller, Track};
 use crate::exchange::{Observation, PoseNoise};
 use crate::fusion::{self, Fusion, Kind, Moved, NoiseBelief, Reach, Verdict};
 use crate::geometry::{Displacement, Pose, WheelSpeeds};
 use crate::kinematics;
-use crate::prediction::{ERROR_WINDOW, ErrorModel, Moments, Motion, Pieces};
+use crate::prediction::{ERROR_WINDOW, Moments, Motion, Pieces};
 use crate::settings::Settings;
 use crate::time::RobotTime;
 use nalgebra::Matrix3;
 
 /// Longest time in s for which a pose may be on its way beside a newer one: later it says nothing of now.
 const LATEST: f64 = 0.5;
-
-/// A gap between poses in s, beyond which their noise is not compared.
-const MAX_GAP: f64 = 0.5;
 
 /// Part of its speed by which a robot that moves steadily may be slower or faster at the next pose.
 const STEADY: f64 = 0.05;
@@ -39,23 +37,23 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         Some(self.fusion.as_ref()?.pose().mean)
     }
 
+    /// The noise of poses as it is identified; none where it is described, or does not matter.
+    fn identified_noise(&self) -> Option<PoseNoise> {
+        let belief = self.noise.as_ref().filter(|_| self.settings.identifies_noise)?;
+        Some(belief.noise())
+    }
+
     /// The noise of poses: as described, or as it is identified where it is not.
     pub(super) fn pose_noise(&self) -> PoseNoise {
-        match &self.noise {
-            Some(belief) if self.settings.identifies_noise => belief.noise(),
-            _ => self.settings.noise,
-        }
+        self.identified_noise().unwrap_or(self.settings.noise)
     }
 
     /// The covariance of an observed pose.
     fn noise_covariance(&self) -> Matrix3<f64> {
-        let PoseNoise { position, heading } = match &self.noise {
-            Some(belief) if self.settings.identifies_noise => belief.noise(),
-            _ => self.watch.noise(self.settings.noise),
-        };
-        let least = fusion::LEAST_NOISE;
-        let position = position.max(least.position).powi(2);
-        let heading = heading.max(least.heading).powi(2);
+        let PoseNoise { position, heading } =
+            self.identified_noise().unwrap_or_else(|| self.watch.noise(self.settings.noise));
+        let position = position.max(PoseNoise::LEAST.position).powi(2);
+        let heading = heading.max(PoseNoise::LEAST.heading).powi(2);
         Matrix3::from_diagonal(&[position, position, heading].into())
     }
 
@@ -105,25 +103,13 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
     /// How the robot has moved by its commands, `wheels` being what they did at first.
     fn moved(&self, from: RobotTime, until: RobotTime, wheels: WheelSpeeds) -> Commanded {
         let drive = &self.acting.drive;
-        let (mut moments, model) =
-            (Moments::new(drive.kind, Pose::default(), PoseNoise::NONE), self.error_model());
-        let (mut pieces, mut motion) = (Pieces::gathered(), Motion::NONE);
-        let floors = self.floors(drive);
-        let mut now = wheels;
-        let mut advance = |piece: Motion| {
+        let model = self.error_model(Pose::default());
+        let mut moments = Moments::new(drive.kind, Pose::default(), PoseNoise::NONE);
+        let mut motion = Motion::NONE;
+        let now = self.motions(from, until, wheels, Pieces::gathered(), |piece| {
             moments.advance(&model, piece);
             motion = motion.then(piece);
-        };
-        self.walk(from, until, |speeds, duration| {
-            let (end, twist) = kinematics::travel(drive, now, speeds, duration);
-            if let Some(piece) = pieces.add(floors.moving(twist), duration) {
-                advance(piece);
-            }
-            now = end;
         });
-        if let Some(piece) = pieces.rest() {
-            advance(piece);
-        }
         let mean = moments.mean();
         let by = Displacement { forward: mean.x, lateral: mean.y, turn: mean.heading.radians() };
         // Motion begins and ends earlier or later than it is known to.
@@ -135,14 +121,6 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let is_steady = (after.linear - before.linear).abs() <= STEADY * after.linear.abs()
             && (after.angular - before.angular).abs() <= STEADY * after.angular.abs();
         Commanded { moved: Moved { by, covariance }, motion, is_steady }
-    }
-
-    /// The errors to reckon with.
-    fn error_model(&self) -> ErrorModel {
-        match self.scaled_belief() {
-            Some(drive) => self.belief.model_of(&drive.scale(), &drive.scale_sd()),
-            None => self.belief.model(),
-        }
     }
 
     /// Learns how noisy poses are from an accepted one.

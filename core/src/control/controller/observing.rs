@@ -12,8 +12,8 @@ use crate::kinematics::{self, MotionModel};
 use crate::settings::{Attribution, FollowsLink, Settings};
 use crate::time::RobotTime;
 
-/// A gap between poses in s, beyond which a window of motion begins anew.
-const MAX_GAP: f64 = 0.5;
+/// A gap between poses in s, beyond which a window of motion begins anew, and their noise is not compared.
+pub(super) const MAX_GAP: f64 = 0.5;
 
 /// Slots of zero after which a robot rests that is seen to move still: 1 s.
 const SURE_REST_SLOTS: u32 = 33;

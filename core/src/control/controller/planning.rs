@@ -4,11 +4,11 @@ use super::compensation::{DelayModel, PathFollower, PoseEstimator};
 use super::plan::{self, REST_SLOTS, Start};
 use super::{Controller, Track};
 use crate::exchange::Request;
-use crate::geometry::WheelSpeeds;
 use crate::geometry::elementary::least;
+use crate::geometry::{Pose, WheelSpeeds};
 use crate::horizon::{Horizon, MAX_WATCHDOG};
 use crate::kinematics;
-use crate::prediction::{Agents, ErrorModel, Pieces, Prediction};
+use crate::prediction::{Agents, ErrorModel, Motion, Pieces, Prediction};
 use crate::settings::{PoseNoise, PredictorKind, Settings};
 use crate::task::Limit;
 use crate::time::RobotTime;
@@ -47,11 +47,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let since_change = self.enter_phase(newest, begins);
         self.teaches_from.get_or_insert(begins);
 
-        let estimator = &self.compensation.estimator;
-        let model = match self.scaled_belief() {
-            Some(drive) => self.belief.model_of(&drive.scale(), &drive.scale_sd()),
-            None => estimator.error_model(&self.belief, track.last.pose),
-        };
+        let model = self.error_model(track.last.pose);
         let (prediction, wheels) = self.predict(&track, &model, begins, request.sequence);
         let before = self.commands.at(attribution, &drive, begins - SAME_BOUNDARY);
         // Poses that are set aside are no poses.
@@ -143,7 +139,7 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
         let Settings { drive, predictor, .. } = &self.acting;
         let pose = track.last.pose;
         let exact = self.judged_noise();
-        let (mut prediction, mut pieces) = match *predictor {
+        let (mut prediction, pieces) = match *predictor {
             PredictorKind::Moments => {
                 (Prediction::moments(drive.kind, pose, exact), Pieces::gathered())
             }
@@ -153,22 +149,47 @@ impl<E: PoseEstimator, D: DelayModel, F: PathFollower> Controller<E, D, F> {
                 (Prediction::MonteCarlo(agents), Pieces::apart())
             }
         };
-        let floors = self.floors(drive);
-        let mut wheels = track.wheels;
         // Commands act a dead time after they come into force, those of the horizon too.
-        self.walk(track.last.taken, start + drive.dead_time, |speeds, duration| {
-            let (end, twist) = kinematics::travel(drive, wheels, speeds, duration);
-            if let Some(motion) = pieces.add(floors.moving(twist), duration) {
-                prediction.advance(model, motion);
-            }
-            wheels = end;
-        });
-        if let Some(motion) = pieces.rest() {
+        let until = start + drive.dead_time;
+        let wheels = self.motions(track.last.taken, until, track.wheels, pieces, |motion| {
             prediction.advance(model, motion);
-        }
+        });
         let taken = track.last.taken;
         let estimator = &self.compensation.estimator;
         let prediction = estimator.predict_pose(&self.acting, taken, pose, start, prediction);
         (prediction, wheels)
+    }
+
+    /// The errors to reckon with around `pose`.
+    pub(super) fn error_model(&self, pose: Pose) -> ErrorModel {
+        match self.scaled_belief() {
+            Some(drive) => self.belief.model_of(&drive.scale(), &drive.scale_sd()),
+            None => self.compensation.estimator.error_model(&self.belief, pose),
+        }
+    }
+
+    /// The commands that act on the robot from `from` to `until` as motions, gathered in `pieces`, `wheels` being what they
+    /// did at first. Returns what they do at the end.
+    pub(super) fn motions(
+        &self,
+        from: RobotTime,
+        until: RobotTime,
+        wheels: WheelSpeeds,
+        mut pieces: Pieces,
+        mut each: impl FnMut(Motion),
+    ) -> WheelSpeeds {
+        let drive = &self.acting.drive;
+        let (floors, mut now) = (self.floors(drive), wheels);
+        self.walk(from, until, |speeds, duration| {
+            let (end, twist) = kinematics::travel(drive, now, speeds, duration);
+            if let Some(motion) = pieces.add(floors.moving(twist), duration) {
+                each(motion);
+            }
+            now = end;
+        });
+        if let Some(motion) = pieces.rest() {
+            each(motion);
+        }
+        now
     }
 }

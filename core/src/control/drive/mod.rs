@@ -36,7 +36,6 @@ use regression::{Delay, Regression};
 use serde::{Deserialize, Serialize};
 use skid::SkidBelief;
 use spreads::{DRIFT, OTHER_FLOOR};
-use stretch::LEAST_NOISE;
 
 /// Standard deviations squared of a pose from where the best hypothesis has it, on average, up to which a stretch says what
 /// it seems to: half of all that are understood stay below one.
@@ -162,8 +161,8 @@ impl DriveBelief {
     ) -> bool {
         let seen = stretch.noise().unwrap_or_default();
         let noise = PoseNoise {
-            position: believed(noise.position, seen.position, LEAST_NOISE.position),
-            heading: believed(noise.heading, seen.heading, LEAST_NOISE.heading),
+            position: believed(noise.position, seen.position, PoseNoise::LEAST.position),
+            heading: believed(noise.heading, seen.heading, PoseNoise::LEAST.heading),
         };
         self.turn.mix(OTHER_FLOOR);
         self.forward.mix(OTHER_FLOOR);

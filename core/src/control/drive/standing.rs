@@ -2,7 +2,7 @@
 //! the drive takes to follow, and by more than the noise of the poses, can be judged.
 
 use super::band::Judgement;
-use super::stretch::{Commanded, LEAST_NOISE, MAX_POSES, Seen, Stretch};
+use super::stretch::{Commanded, MAX_POSES, Seen, Stretch};
 use crate::exchange::{Observation, PoseNoise};
 use crate::geometry::{Twist, WheelSpeeds};
 use crate::kinematics::{self, Drive};
@@ -46,7 +46,7 @@ pub fn settles(dead_time: f64, lag: f64) -> f64 {
 /// Time in s for which a turn in place at `angular` rad/s is to last until it can be judged whether the robot turns, by
 /// poses with this `noise`.
 pub fn shows(angular: f64, noise: PoseNoise) -> f64 {
-    2.0_f64.sqrt() * noise.heading.max(LEAST_NOISE.heading) / (SURE * angular)
+    2.0_f64.sqrt() * noise.heading.max(PoseNoise::LEAST.heading) / (SURE * angular)
 }
 
 /// Steady speeds of both wheels.
@@ -132,8 +132,8 @@ fn judged(
         return found;
     }
     let between = |described: f64, least: f64| 2.0_f64.sqrt() * described.max(least);
-    let position = between(noise.position, LEAST_NOISE.position);
-    let heading = between(noise.heading, LEAST_NOISE.heading);
+    let position = between(noise.position, PoseNoise::LEAST.position);
+    let heading = between(noise.heading, PoseNoise::LEAST.heading);
     let seen = poses.windows(2).map(|pair| Seen::between(&pair[0], &pair[1]));
     let seen = seen.fold(Seen { driven: 0.0, aside: 0.0, turned: 0.0 }, |sum, it| Seen {
         driven: sum.driven + it.driven,

@@ -20,9 +20,6 @@ pub const APART: f64 = 0.02;
 /// Where poses are missing for longer in s, another stretch begins.
 pub const GAP: f64 = 0.5;
 
-/// The least noise of a pose that is believed: no tracker is exact, and a filter needs some.
-pub(super) const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
-
 /// Fewest third differences that say something of the noise.
 const FEWEST_THIRDS: usize = 10;
 

@@ -11,7 +11,7 @@ mod gaussian;
 mod noise;
 
 pub use gaussian::{Gaussian, Moved, Updated};
-pub use noise::{Identified, Kind, LEAST_NOISE, NoiseBelief, Step};
+pub use noise::{Identified, Kind, NoiseBelief, Step};
 
 use crate::geometry::Pose;
 use arrayvec::ArrayVec;
@@ -103,9 +103,8 @@ struct Wrong {
 /// Where the robot is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fusion {
+    /// The first is the one that is gone by.
     hypotheses: ArrayVec<Hypothesis, MOST>,
-    /// The one that is gone by.
-    chosen: usize,
     /// How far poses lie off of late against what is expected, in variances.
     surprise: f64,
 }
@@ -115,12 +114,12 @@ impl Fusion {
     pub fn new(observed: Pose, noise: &Matrix3<f64>) -> Self {
         let mut hypotheses = ArrayVec::new();
         hypotheses.push(Hypothesis::at(observed, noise));
-        Self { hypotheses, chosen: 0, surprise: 1.0 }
+        Self { hypotheses, surprise: 1.0 }
     }
 
     /// Where the robot is, and how surely.
     pub fn pose(&self) -> &Gaussian {
-        &self.hypotheses[self.chosen].pose
+        &self.hypotheses[0].pose
     }
 
     /// Takes in a pose `observed` with this `noise` (covariance) `span` s after the last one, since which the robot has `moved`
@@ -137,10 +136,10 @@ impl Fusion {
         let covariance = moved.covariance * self.surprise.max(1.0);
         let moved = Moved { covariance, ..*moved };
         let way = Way { moved, reach, span, observed, noise };
-        let before = self.hypotheses[self.chosen].pose.after(&moved).mean;
+        let before = self.pose().after(&moved).mean;
         for (index, it) in self.hypotheses.iter_mut().enumerate() {
             let surprise = it.explain(&way);
-            if index == self.chosen
+            if index == 0
                 && let Some(surprise) = surprise
             {
                 let surprise = (surprise / 3.0).min(MOST_SURPRISE);
@@ -166,26 +165,24 @@ impl Fusion {
 
     /// Begins the hypothesis that a pose is right which is wrong by the one that is gone by.
     fn begin_another(&mut self, way: &Way, expected: Pose) {
-        let chosen = &self.hypotheses[self.chosen];
         // Those that call it right know it already.
-        let is_new = chosen.is_wrong && self.hypotheses.iter().all(|it| it.is_wrong);
-        if !is_new {
+        if !self.hypotheses.iter().all(|it| it.is_wrong) {
             return;
         }
         let pose = Gaussian { mean: way.observed, covariance: *way.noise };
         let another = Hypothesis {
-            ln_weight: chosen.ln_weight + (ANOTHER / WRONG).ln(),
+            ln_weight: self.hypotheses[0].ln_weight + (ANOTHER / WRONG).ln(),
             wrong: Some(Wrong { by: pose.off(expected), poses: 1.0 }),
             is_wrong: false,
             pose,
         };
         if self.hypotheses.is_full() {
-            let chosen = self.chosen;
-            let others = self.hypotheses.iter().enumerate().filter(|(index, _)| *index != chosen);
-            let least =
-                others.min_by(|(_, one), (_, other)| one.ln_weight.total_cmp(&other.ln_weight));
-            if let Some((index, _)) = least {
-                self.hypotheses[index] = another;
+            // The least likely of the others goes.
+            let others = self.hypotheses[1..].iter_mut();
+            if let Some(least) =
+                others.min_by(|one, other| one.ln_weight.total_cmp(&other.ln_weight))
+            {
+                *least = another;
             }
         } else {
             self.hypotheses.push(another);
@@ -194,28 +191,25 @@ impl Fusion {
 
     fn choose(&mut self, expected: Pose, observed: Pose) -> Verdict {
         let best = self.hypotheses.iter().map(|it| it.ln_weight).fold(f64::NEG_INFINITY, f64::max);
-        let mut verdict = None;
-        if self.hypotheses[self.chosen].ln_weight + LIKELIER.ln() < best
+        let is_gone_by = self.hypotheses[0].ln_weight + LIKELIER.ln() >= best;
+        if !is_gone_by
             && let Some(likelier) = self.hypotheses.iter().position(|it| it.ln_weight >= best)
         {
-            self.chosen = likelier;
-            verdict = Some(Verdict::Again);
+            let likelier = self.hypotheses.remove(likelier);
+            self.hypotheses.insert(0, likelier);
         }
-        let chosen = self.hypotheses[self.chosen];
-        let mut kept = ArrayVec::<Hypothesis, MOST>::new();
-        kept.push(Hypothesis { ln_weight: chosen.ln_weight - best, ..chosen });
-        for (index, it) in self.hypotheses.iter().enumerate() {
-            let ln_weight = it.ln_weight - best;
-            if index != self.chosen && ln_weight > GIVEN_UP.ln() {
-                kept.push(Hypothesis { ln_weight, ..*it });
-            }
+        for it in &mut self.hypotheses {
+            it.ln_weight -= best;
         }
-        (self.hypotheses, self.chosen) = (kept, 0);
-        let distance = expected.point().distance(observed.point());
-        match verdict {
-            _ if chosen.is_wrong => Verdict::SetAside { distance },
-            Some(again) => again,
-            None => Verdict::Accepted,
+        let chosen = self.hypotheses.remove(0);
+        self.hypotheses.retain(|it| it.ln_weight > GIVEN_UP.ln());
+        self.hypotheses.insert(0, chosen);
+        if chosen.is_wrong {
+            Verdict::SetAside { distance: expected.point().distance(observed.point()) }
+        } else if is_gone_by {
+            Verdict::Accepted
+        } else {
+            Verdict::Again
         }
     }
 }

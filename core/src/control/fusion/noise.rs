@@ -26,6 +26,9 @@ const RATIO: f64 = 3.162_277_660_168_379_5;
 /// Steps between two of them in which their evidence is interpolated.
 const FINER: usize = 4;
 
+/// Ratios of which the evidence is known so.
+const PLACES: usize = (RATIOS - 1) * FINER + 1;
+
 /// Degrees of freedom of the prior: next to nothing is known, a second of poses outweighs it.
 const DEGREES: f64 = 0.5;
 
@@ -43,9 +46,6 @@ const ENOUGH: f64 = 10.0;
 
 /// Poses after which a noise is computed anew, once there are many.
 const SOME: u32 = 16;
-
-/// What a noise is at least: no tracker is exact.
-pub const LEAST_NOISE: PoseNoise = PoseNoise { position: 5e-5, heading: 2e-4 };
 
 /// The noise of positions or headings as it is identified: standard deviations in m or rad.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -206,7 +206,7 @@ impl NoiseBelief {
 
     /// The noise of a pose to reckon with: that of a moving robot, or of one at rest where that is surely more.
     pub fn noise(&self) -> PoseNoise {
-        let least = [LEAST_NOISE.position, LEAST_NOISE.heading];
+        let least = [PoseNoise::LEAST.position, PoseNoise::LEAST.heading];
         let [position, heading] = [0, 1].map(|index| {
             let (square, count) = self.resting[index];
             let surely = 1.0 - 2.0 * (2.0 / count.max(ENOUGH)).sqrt();
@@ -241,22 +241,16 @@ struct Filter {
 impl Filter {
     const NEW: Self = Self { mean: 0.0, variance: 1.0, square: 0.0, ln_variance: 0.0 };
 
-    /// Goes on to a pose that lies `off` from where the last one and the commands lead, where the walk `gained` this variance.
-    /// By how much it lies off from what is expected, squared, and the variance of that.
-    fn step(&mut self, off: f64, gained: f64) -> (f64, f64) {
+    /// Goes on to a pose that lies `off` from where the last one and the commands lead, where the walk `gained` this variance,
+    /// and learns by how much it lies off from what is expected.
+    fn push(&mut self, off: f64, gained: f64) {
         let before = self.variance + gained;
         let total = before + 1.0;
         let innovation = off - self.mean;
         self.mean = -innovation / total;
         self.variance = before / total;
-        (innovation * innovation, total)
-    }
-
-    /// Learns from such a pose; of what was learned before this part stays.
-    fn learn(&mut self, off: f64, gained: f64, stays: f64) {
-        let (square, total) = self.step(off, gained);
-        self.square = self.square * stays + square / total;
-        self.ln_variance = self.ln_variance * stays + total.ln();
+        self.square = self.square * STAYS + innovation * innovation / total;
+        self.ln_variance = self.ln_variance * STAYS + total.ln();
     }
 }
 
@@ -265,7 +259,7 @@ impl Bank {
         self.poses = self.poses * STAYS + 1.0;
         let mut gained = least;
         for filter in &mut self.filters {
-            filter.learn(off, gained, STAYS);
+            filter.push(off, gained);
             gained *= RATIO;
         }
     }
@@ -295,8 +289,9 @@ impl Bank {
             let ln_evidence = -0.5 * (of(|it| it.ln_variance) + degrees * square.ln());
             ((square / degrees).ln() + degrees.recip(), ln_evidence)
         };
-        let places = (0..=(RATIOS - 1) * FINER).map(|step| at(step as f64 / FINER as f64));
-        let best = places.clone().map(|(_, ln)| ln).fold(f64::NEG_INFINITY, f64::max);
+        let places: [(f64, f64); PLACES] =
+            std::array::from_fn(|step| at(step as f64 / FINER as f64));
+        let best = places.iter().map(|(_, ln)| *ln).fold(f64::NEG_INFINITY, f64::max);
         let mut sums = [0.0; 3];
         for (value, ln_evidence) in places {
             let weight = (ln_evidence - best).exp();

@@ -178,7 +178,7 @@ impl<F: PathFollower> Roll<'_, F> {
         let from = leg.checked_sub(1).map(|before| task.waypoints[before]);
         match self.approach(from, target, reversing, task.tolerance) {
             Approach::Go(twist, limit) => {
-                let arc = self.arc(task, target);
+                let arc = self.arc(task, target, reversing);
                 self.limit = Some(if arc.is_some() { Limit::Waypoint } else { limit });
                 Some(arc.unwrap_or(twist))
             }

@@ -61,12 +61,12 @@ impl<F: PathFollower> Roll<'_, F> {
         (ASIDE * task.tolerance / distance).min(1.0).asin()
     }
 
-    /// The twist along the arc that leads from the heading to `target`, where that was missed by little: the quadratic curve
+    /// The twist along the arc that leads from the heading, or the tail, to `target`, where that was missed by little: the quadratic curve
     /// is as slow there as it bends, alpha/(1 + |a| 1 m), which is far below what robot and way allow.
     ///
     /// Its curvature is 2 e_y/(e_x^2 + e_y^2). The speed is the fastest from which the robot can stop, and at which it can turn
     /// enough to pass the waypoint well within the tolerance.
-    pub(super) fn arc(&self, task: &Task, target: Point) -> Option<Twist> {
+    pub(super) fn arc(&self, task: &Task, target: Point, reversing: bool) -> Option<Twist> {
         if !self.is_near(task, target) {
             return None;
         }
@@ -82,7 +82,7 @@ impl<F: PathFollower> Roll<'_, F> {
         let off = (aside.abs() - ASIDE * task.tolerance).max(0.0);
         let speed = least(stoppable, drive.max_angular * distance * distance / (2.0 * off));
         let speed = speed.clamp(self.least.linear, drive.max_linear);
-        let onward = if self.reverses(task, target) { -speed } else { speed };
+        let onward = if reversing { -speed } else { speed };
         let wanted = Twist::new(onward, 0.0);
         let reached = drive.reach(self.state.previous, wanted, self.state.since_change).linear;
         let angular = (bend * reached).clamp(-drive.max_angular, drive.max_angular);
